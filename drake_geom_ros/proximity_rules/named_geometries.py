@@ -29,9 +29,11 @@ class RuleSets(NamedTuple):
 class NamedGeometries:
     """Geometries (n,) by the names that patterns match."""
 
-    def __init__(self, names: Sequence[GeometryNames]) -> None:
+    def __init__(self, names: Sequence[GeometryNames], vital: Flags | None = None) -> None:
+        """``vital`` (n,) are geometries whose poses rules need although they are in no pair."""
         self.names = names
         self._count = len(names)
+        self.vital = np.zeros(self._count, dtype=np.bool_) if vital is None else vital
         self._rows: dict[str, list[int]] = {}  # by name; most have one or a few
         for row, names_of_one in enumerate(names):
             for name in dict.fromkeys(names_of_one.found_by):

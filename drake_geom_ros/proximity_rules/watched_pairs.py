@@ -80,7 +80,7 @@ class WatchedPairs:
         shape = len(firsts), len(scene.ids)
         self._in_a = np.array([each.in_a for each in sets], dtype=np.bool_).reshape(shape)
         self._in_b = np.array([each.in_b for each in sets], dtype=np.bool_).reshape(shape)
-        self._count(scene.reported)
+        self._count(scene.reported, finder.vital)
         of_rules = [sets[group] for group in self.groups.tolist()]
         self.unknown = [
             finder.unknown(rule, each.unknown) if each.unknown else ''
@@ -88,10 +88,11 @@ class WatchedPairs:
         ]
         self.lacking = [each.lacking for each in of_rules]
         self.is_unknown: Flags = np.array([bool(each) for each in self.unknown], dtype=np.bool_)
+        has_vital = [bool((finder.vital & (s.in_a | s.in_b)).any()) for s in of_rules]
         unwatched = [
-            '' if refusal else _why_never(rule, int(pairs), int(left_out))
-            for rule, refusal, pairs, left_out in zip(
-                rules, self.unknown, self.pairs, self.left_out, strict=True
+            '' if refusal or waits else _why_never(rule, int(pairs), int(left_out))
+            for rule, refusal, waits, pairs, left_out in zip(
+                rules, self.unknown, has_vital, self.pairs, self.left_out, strict=True
             )
         ]
         self.trouble = [a or b for a, b in zip(self.unknown, unwatched, strict=True)]
@@ -99,8 +100,11 @@ class WatchedPairs:
         if rules:
             self.nearest(NOTHING)  # compiles the search now instead of in a cycle
 
-    def _count(self, reported: CandidatePairs) -> None:
-        """Count pairs {i, j} with i in A and j in B: ordered pairs minus those counted twice."""
+    def _count(self, reported: CandidatePairs, vital: Flags) -> None:
+        """Count pairs {i, j} with i in A and j in B: ordered pairs minus those counted twice.
+
+        The poses of ``vital`` geometries (n,) matter without a pair, too.
+        """
         in_a, in_b = self._in_a, self._in_b
         both = in_a & in_b
         ofs = zip(in_a, in_b, both, strict=True)
@@ -115,7 +119,7 @@ class WatchedPairs:
         self.pairs: Ids = pairs[self.groups]  # (r,) that may be reported
         self.left_out: Ids = (every - pairs)[self.groups]  # (r,) that never are
         # (g, n) geometries with a partner in the other set; the poses of others do not matter.
-        self._needed: Flags = (of_a > 0) | (of_b > 0)
+        self._needed: Flags = (of_a > 0) | (of_b > 0) | ((in_a | in_b) & vital)
 
     def needed(self, rule: int) -> Flags:
         """Return the geometries (n,) whose poses a rule needs."""

@@ -67,6 +67,8 @@ def opened_recording(
         playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
     roles = roles_of(recording.topics, topics, robots)
     roles = {topic: role for topic, role in roles.items() if topic not in silent}
+    if 'tracked_objects' in roles.values():
+        playback.expect_trackers()
     sensors = () if scene is None else map(_topic_of, scene.obstacle_sources)
     maps = maps_in(recording.topics, topics, sensors)
     return Opened(recording, playback, roles, maps)

@@ -11,6 +11,7 @@ import numpy as np
 from drake_geom_ros.common.geometry_names import GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
+from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED
 from drake_geom_ros.live.scene.scene_rules import geometry_names, hanging
 from drake_geom_ros.math.array_types import Flags
 
@@ -68,7 +69,8 @@ def selected_pairs(
     ids, reported = inspector.candidate_matrix()
     geometries = [GeometryId(value) for value in ids.tolist()]
     names = [geometry_names(inspector, geometry) for geometry in geometries]
-    selected = reported & _between(pairs, names, may_lack=may_be_empty)
+    between = _between(pairs, names, may_lack=may_be_empty)
+    selected = reported & between
     if not (selected.any() or may_be_empty):
         raise ArgumentError(
             f'between {pairs.name}: the scene has no pair that queries report: all are filtered, '
@@ -78,10 +80,14 @@ def selected_pairs(
     both = placed[:, None] & placed[None, :]
     considered, waiting = selected & both, np.asarray((selected & ~both).any(axis=1))
     on = hanging(inspector, geometries)
-    rows = np.asarray(considered.any(axis=1))
+    # The heartbeat of trackers is in no pair, but without it nobody knows which bodies are there.
+    beats = np.array([(n.source, n.frame_name) == (TRACKED, HEARTBEAT) for n in names], dtype=bool)
+    beats &= between.any(axis=1)
+    waiting |= beats & ~placed
+    rows = np.asarray(considered.any(axis=1)) | (beats & placed)
     return SelectedPairs(
         considered=considered,
-        left_out=int(np.count_nonzero(selected & ~both)) // 2,
+        left_out=int(np.count_nonzero(selected & ~both)) // 2 + int((beats & ~placed).sum()),
         needed=tuple(FrameId(frame) for frame, some in on.items() if rows[some].any()),
         waiting=tuple(
             f for f in query.waiting_frames() if waiting[on.get(f.get_value(), [])].any()

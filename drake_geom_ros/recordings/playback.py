@@ -12,13 +12,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.live.conversions.tracked_objects import TrackedObjectsReader
 from drake_geom_ros.live.inputs.joint_input import JointInput, NothingOfOursError
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.inputs.tracked_input import TrackedInput
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.recorded_attachments import RecordedAttachments
@@ -85,6 +89,13 @@ def is_jump(before: Any, now: Any) -> Any:
     return (before == 0.0) | (step <= -JUMP_BACKWARD) | (step >= JUMP_FORWARD)
 
 
+def _refuse_frame(scene: HeldScene, name: str, held: float) -> str:
+    """Refuse bodies that are not in the world: reports keep no poses of then."""
+    raise ArgumentError(
+        f'header.frame_id is {name[:80]!r}; a report takes bodies in the world frame alone'
+    )
+
+
 class Playback:
     """The live scene of a recording, at the time up to which it was played."""
 
@@ -111,6 +122,9 @@ class Playback:
             TfInput(self.clocks), JointInput(self.clocks, stale_after, by_default=True)
         )
         self._robot = RobotInput(self.live)
+        self._tracked = TrackedInput(self.live, _refuse_frame)
+        self._tracked_reader = TrackedObjectsReader()
+        self.has_trackers = False  # bodies come and go with time alone
         # Digests of the files that robot descriptions named.
         self.robot_files: dict[Path, str] = {}
         self._troubles: dict[str, Trouble] = {}
@@ -143,7 +157,7 @@ class Playback:
 
     def take(self, recorded: Recorded, role: str) -> bool:
         """Process a message; return whether it posed anything."""
-        self._times.recorded = max(self._times.recorded, recorded.time / NANOSECONDS)
+        self.wait_until(recorded.time)
         if recorded.time >= self.next_look:
             if self._looked > 0:
                 self.look(recorded.time)
@@ -191,6 +205,15 @@ class Playback:
     def wait_until(self, time: int) -> None:
         """Advance the time of recording to ``time`` [ns]."""
         self._times.recorded = max(self._times.recorded, time / NANOSECONDS)
+        if self.has_trackers:
+            self._tracked.sweep()
+
+    def expect_trackers(self) -> None:
+        """Have bodies of trackers from now on; until the first message their heartbeat waits."""
+        self.has_trackers = True
+        with self.live.editing() as scene:
+            assert scene.tracked.stand is not None
+            scene.tracked.stand(scene)
 
     def look(self, time: int) -> None:
         """Collect the current troubles at ``time`` [ns]."""
@@ -215,6 +238,9 @@ class Playback:
         if role.startswith('robot'):
             self.take_robot(message.data, is_semantic=role.endswith('semantic'))
             role = ''
+        if role == 'tracked_objects':
+            bodies = self._tracked_reader.read(message, self.live.files)
+            return self._tracked.take(bodies) > 0
         if role == 'scene':
             topic = recorded.topic.name
             with self.live.editing() as held:

@@ -28,6 +28,7 @@ from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
 _SHORTEST = 8  # messages of a run, since finding one takes as long as a few messages
 _MOST_POSES = 2**19  # of a run: 30 MB, and several times that while it is processed
 _MOST_STATES = 10**9  # of a rate, which take hours to compute
+_NEVER_A_RUN = 'tf_static', 'tracked_objects'  # roles
 _FEEDERS = {JOINTS: feeders.JOINTS, POSES: feeders.MESSAGES, TF: feeders.TF}
 
 
@@ -102,7 +103,8 @@ class Player:
     def _stretch(self, batch: MessageBatch, begin: int) -> Stretch:
         """Return the longest stretch of messages from ``begin`` that may be a run."""
         is_taken = [r.topic.type == CLOCK or id(r.layout) in self._taken for r in batch.repeated]
-        if not (batch.is_good[begin] and is_taken[batch.owner[begin]]):
+        is_run = batch.is_good[begin] and is_taken[batch.owner[begin]]
+        if self._playback.has_trackers or not is_run:  # bodies leave between messages
             return Stretch(batch, begin, begin)
         may_be = batch.is_good[begin:] & np.array([*is_taken, False])[batch.owner[begin:]]
         may_be &= batch.times[begin:] < self._playback.next_look
@@ -133,7 +135,7 @@ class Player:
             return
         role = self._roles[topic.name]
         # Transforms that pose nothing do not affect other senders.
-        if not (has_posed or role == 'tf') or role == 'tf_static' or owner < 0:
+        if not (has_posed or role == 'tf') or role in _NEVER_A_RUN or owner < 0:
             self._taken.clear()
             return
         with self._playback.live.reading() as scene:

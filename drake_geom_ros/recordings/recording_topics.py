@@ -14,6 +14,7 @@ from drake_geom_ros.recordings.message_types import (
     SCENE,
     TEXT,
     TF,
+    TRACKED,
 )
 from drake_geom_ros.recordings.raw_messages import RecordedTopic
 
@@ -27,7 +28,8 @@ class Topics:
     Defaults are ``/tf``, ``/joint_states`` and so on, and for poses the only topic of
     ``drake_geom_msgs/msg/FramePoses``. Robot descriptions are used besides a scene too, as in a
     node. ``scene`` is the ``~/scene`` of the node, with which the played scene is compared; by
-    default the one beside the poses, or all.
+    default the one beside the poses, or all. ``tracked_objects`` are the bodies of trackers, by
+    default the only topic of ``drake_geom_msgs/msg/TrackedObjects``.
 
     A ``namespace``, such as ``cell_1``, applies to all defaults but ``/clock``, to ``/tf`` and
     ``/tf_static`` if they were recorded in it, to names without a leading slash, also those of
@@ -45,6 +47,7 @@ class Topics:
     robot_description_semantic: str | None = None
     clock: str | None = None
     scene: str | None = None
+    tracked_objects: str | None = None
     obstacles: str | None = None
     namespace: str = ''
 
@@ -87,8 +90,10 @@ KINDS = {  # types of messages by role
     'robot_description_semantic': TEXT,
     'clock': CLOCK,
     'scene': SCENE,
+    'tracked_objects': TRACKED,
 }
 
+_CALLED = {'frame_poses': 'poses', 'tracked_objects': 'tracked bodies'}
 NAMES = (*KINDS, 'obstacles')  # fields of Topics
 
 
@@ -135,8 +140,8 @@ def _topic_of(role: str, kind: str, topics: Topics, recorded: Sequence[RecordedT
     names, named = [topic.name for topic in recorded], getattr(topics, role)
     if named == '':
         return ''
-    if named is None and role == 'frame_poses':
-        return _topic_of_poses(topics, recorded)
+    if named is None and role in ('frame_poses', 'tracked_objects'):
+        return _only_topic(role, kind, topics, recorded)
     topic = _usual(role, topics, names) if named is None else topics.full(named)
     if topic not in names:
         if named is None:
@@ -149,14 +154,14 @@ def _topic_of(role: str, kind: str, topics: Topics, recorded: Sequence[RecordedT
     return topic
 
 
-def _topic_of_poses(topics: Topics, recorded: Sequence[RecordedTopic]) -> str:
-    """Return the only topic of poses, whatever the name of the node."""
-    of_type = sorted({topic.name for topic in recorded if topic.type == POSES})
+def _only_topic(role: str, kind: str, topics: Topics, recorded: Sequence[RecordedTopic]) -> str:
+    """Return the only topic of a type, whatever the name of the node."""
+    of_type = sorted({topic.name for topic in recorded if topic.type == kind})
     of_type = [name for name in of_type if name.startswith(topics.prefix)]
     if len(of_type) > 1:
         raise RecordingError(
-            f'poses were recorded on {" and ".join(of_type)}: say which by '
-            f'--topic frame_poses={of_type[0]}, or --topic frame_poses= for none; a --namespace '
+            f'{_CALLED[role]} were recorded on {" and ".join(of_type)}: say which by '
+            f'--topic {role}={of_type[0]}, or --topic {role}= for none; a --namespace '
             'leaves those in it'
         )
     return of_type[0] if of_type else ''

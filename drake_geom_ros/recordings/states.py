@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
+from drake_geom_ros.live.conversions.names import TRACKED
 from drake_geom_ros.live.inputs.pose_runs import PoseRun
 from drake_geom_ros.live.scene.clocks import Since
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -244,6 +245,10 @@ class StateBlocks:
                 self._watched = scene.model.version
         self._latest.update(ids, rows)
 
+    def _may_be_empty(self, pairs: PairSet) -> bool:
+        of_trackers = any(side.startswith(TRACKED) for side in (pairs.side_a, pairs.side_b))
+        return pairs.name in self._met or (of_trackers and self._playback.has_trackers)
+
     def _begin(self, scene: HeldScene) -> None:
         """Begin a block with the current scene."""
         if scene.model.version != self._watched:
@@ -256,7 +261,9 @@ class StateBlocks:
         self._moving = np.array([self._latest.columns[f] for f in moving], dtype=np.int64)
         self._context = scene.view().context
         self._selected = tuple(
-            selected_pairs(QueryObject(self._context), pairs, may_be_empty=pairs.name in self._met)
+            selected_pairs(
+                QueryObject(self._context), pairs, may_be_empty=self._may_be_empty(pairs)
+            )
             for pairs in self._pairs
         )
         self._met.update(pairs.name for pairs in self._pairs)

@@ -23,6 +23,7 @@ class CallbackGroups(NamedTuple):
     planning: CallbackGroup  # many states at once
     motions: CallbackGroup  # whole motions
     obstacles: CallbackGroup  # what sensors see
+    tracked: CallbackGroup  # bodies that trackers see
 
     def let_answers_go(self) -> bool:
         """Wait until no service is at work in another thread: closed before, it cannot answer.

@@ -61,6 +61,7 @@ from drake_geom_ros.ros.surface import (
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
+from drake_geom_ros.ros.tracked_listening import TrackedListening
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -242,6 +243,7 @@ class ConfiguredNode:
         self._obstacles = ObstacleListening(
             surface, self.live, stream, guard, self._groups, self._settings, obstacle_sources
         )
+        self._tracked = TrackedListening(surface, self.live, stream, guard, self._groups, values)
 
     def _open_services(self, profile: QoSProfile) -> None:
         """Open all services."""
@@ -311,6 +313,7 @@ class ConfiguredNode:
             scene.filters.expire()
             self._guard.take('poses that hang on others', self._stream.follow, scene)
             self._guard.take('joint_states', self._joints.follow, scene)
+        self._guard.attempt(self._tracked.sweep)
         self._log_what_is_told()
         self._publish_scene()
 
@@ -341,6 +344,7 @@ class ConfiguredNode:
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
         self._obstacles.tell(message.status[0])
+        self._tracked.tell(message.status[0])
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)

@@ -11,6 +11,7 @@ from rclpy.serialization import deserialize_message
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.misread_numbers import refuse_misread_numbers
 from drake_geom_ros.live.conversions.serialized_poses import PoseReader
+from drake_geom_ros.live.conversions.serialized_tracked import TrackedObjectsBytes
 
 
 class BytesReader(Protocol):
@@ -49,6 +50,11 @@ class MessageReader:
 def pose_reader(kind: Any) -> MessageReader:
     """Return the reader of JointState, FramePoses or FrameTwists."""
     return MessageReader(kind, PoseReader(kind.__name__, time_of))
+
+
+def tracked_objects_reader(kind: Any) -> MessageReader:
+    """Return the reader of TrackedObjects."""
+    return MessageReader(kind, TrackedObjectsBytes(time_of))
 
 
 def time_of(seconds: int, nanoseconds: int) -> Any:

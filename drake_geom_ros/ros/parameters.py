@@ -71,6 +71,9 @@ class NodeParameters:
     obstacle_keep: float = 0.0
     obstacle_rays: bool = False
     obstacle_margin: float = 0.0
+    tracked_markers: str = ''
+    tracked_detections: str = ''
+    tracked_lifetime: float = 1.0
     service_depth: int = 1000
     max_answer_size: float = 64.0
     watchdog: float = 60.0
@@ -199,6 +202,17 @@ TEXTS = {
         + _LIVE
     ),
     'obstacle_margin': 'By how much each cell of a map is larger on every side [m].',
+    'tracked_markers': (
+        'Topic (visualization_msgs/MarkerArray) whose spheres, cubes, cylinders and line strips '
+        'are tracked bodies, as those of ~/tracked_objects; empty: none.'
+    ),
+    'tracked_detections': (
+        'Topic (vision_msgs/Detection3DArray) whose boxes are tracked bodies; empty: none. Needs '
+        'vision_msgs.'
+    ),
+    'tracked_lifetime': (
+        'Time [s] after which a body of detections is taken out that is not named again.'
+    ),
     'service_depth': (
         'Largest number of waiting calls, and of answers being sent, of each service; further '
         'ones are lost.'
@@ -230,6 +244,7 @@ _RANGES = {
     'obstacle_reach': (0.01, 1000.0),
     'obstacle_padding': (0.0, 10.0),
     'obstacle_noise': (0.0, 10.0),
+    'tracked_lifetime': (0.05, 3600.0),
     'obstacle_least_points': (1, 10000),
     'obstacle_keep': (0.0, math.inf),
     'obstacle_margin': (0.0, 10.0),

@@ -2,7 +2,8 @@
 
 A topic is a row: the node opens it, and ``policy`` allows it; what publishes on an output stands
 in ``live/outputs``. Topics of cameras, of sensors of maps and of single robots, whose names depend
-on parameters, are opened by ``outputs/cameras``, ``obstacle_listening`` and ``joint_listening``.
+on parameters, are opened by ``outputs/cameras``, ``obstacle_listening``, ``joint_listening`` and
+``tracked_listening``.
 """
 
 from __future__ import annotations
@@ -159,6 +160,10 @@ OCTOMAP = Input(
     '~/obstacles/octomap', 'octomap_msgs/msg/Octomap', newest, 'obstacles'
 )  # obstacle_listening
 
+TRACKED_OBJECTS = Input(
+    '~/tracked_objects', msg.TrackedObjects, sensor_data, 'tracked'
+)  # tracked_listening
+
 INPUTS: tuple[Input, ...] = (
     Input(
         *('~/frame_poses', msg.FramePoses, sensor_data, 'stream'),
@@ -177,7 +182,7 @@ INPUTS: tuple[Input, ...] = (
     ),
     Input('{robot_description_topic}', String, latched, 'loading', _take_robot),
     Input('{robot_description_semantic_topic}', String, latched, 'loading', _take_semantics),
-    *(JOINT_STATES, TF, TF_STATIC, OCTOMAP),
+    *(JOINT_STATES, TF, TF_STATIC, OCTOMAP, TRACKED_OBJECTS),
 )
 
 

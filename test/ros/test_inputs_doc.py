@@ -47,11 +47,24 @@ def test_the_message_poses_the_ball(client):
 
 
 @pytest.mark.topics
+def test_the_message_brings_a_person(client):
+    request = re.search(r"tracked_objects \S+ '(\{.*\})'$", TEXT, re.M).group(1)
+    message = filled(msg.TrackedObjects(), yaml.safe_load(request))
+    publisher = client.publisher(msg.TrackedObjects, 'tracked_objects')
+
+    def there():
+        publisher.publish(message)
+        return client.call(srv.GetPose, 'get_pose', frame='tracked::anna').success
+
+    client.wait_for(there, 'anna')
+
+
+@pytest.mark.topics
 def test_inputs_have_the_quality_of_service_that_the_table_says(client):
     rows = re.findall(
         r'^\| `([\w~/]+)` \| `\S+` \| (best effort|reliable), (latched, )?', TEXT, re.M
     )
-    assert len(rows) == 6
+    assert len(rows) == 7
     for topic, reliability, latched in rows:
         name = topic.replace('~', '/scene_graph') if topic.startswith('~') else f'/{topic}'
         client.wait_for(lambda n=name: client.node.get_subscriptions_info_by_topic(n), name)

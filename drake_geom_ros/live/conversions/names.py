@@ -25,6 +25,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.scene_files.drake_names import drake_name
 
 WORLD = 'world'
+TRACKED = 'tracked'  # the source of bodies that trackers see
+HEARTBEAT = 'heartbeat'  # its frame that is no body: how long ago the trackers spoke
 _LONGEST = 80  # letters of a name that are shown
 _MOST_HINTS = 64  # that are kept
 _MOST_LOOKED_AT = 5000  # names that are compared with one of them, some 10 us each
@@ -109,6 +111,7 @@ class NameTable:
             for key in aliases | {f'{source}::{alias}' for alias in aliases}:
                 self._geometries[key].append(geometry)
         self._add_drake_names(inspector)
+        self.has_heartbeat = (TRACKED, HEARTBEAT) in self.labels.values()
         self.frame_values = tuple(frame.get_value() for frame in self.labels)  # of ids
         self._hints: dict[tuple[str, str], str] = {}
         self._known_frames: dict[int | None, FrameId] = {
@@ -195,10 +198,13 @@ class NameTable:
         return dict(claims)
 
     def tf_names(self, frame: FrameId) -> tuple[str, ...]:
-        """Return what TF may call a frame, the name that counts more first; none of a map."""
-        if frame in self.of_maps:
-            return ()
+        """Return what TF may call a frame, the name that counts more first.
+
+        None of a map or of a tracked body: their messages alone pose them.
+        """
         source, name = self.labels[frame]
+        if frame in self.of_maps or (source == TRACKED and self.has_heartbeat):
+            return ()
         if prefix := self._prefixes.get(source):
             return (f'{prefix}{name}'.removeprefix('/'),)
         return (f'{source}/{name}', name)

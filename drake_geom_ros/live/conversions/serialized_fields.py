@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ import numpy as np
 LITTLE_ENDIAN = b'\x00\x01\x00\x00'
 BEGIN = len(LITTLE_ENDIAN)
 _WORD = 4  # [bytes]
+_SLACK = 4  # [bytes] that Fast DDS leaves behind a message for each empty array, at most
 
 
 class NoFitError(Exception):
@@ -40,6 +42,36 @@ def text_at(body: bytes, at: int) -> tuple[str, int]:
         return body[begin : end - 1].decode(), end
     except (struct.error, UnicodeDecodeError):
         raise NoFitError from None
+
+
+def arrays_in(raw: bytes, at: int, codes: str, empty: int = 0) -> list[Any]:
+    """Return the arrays that begin at a place of a message, which ends with them.
+
+    Before them there may be so many ``empty`` arrays.
+    """
+    arrays: list[Any] = []
+    for code in codes:
+        count, at = count_at(raw, BEGIN + aligned(at - BEGIN, 4))
+        if count:
+            at = BEGIN + aligned(at - BEGIN, 8)
+        if at + 8 * count > len(raw):
+            raise NoFitError
+        # Copied, for in the message they may stand where a processor reads them slowly.
+        values = np.frombuffer(raw, f'<{code.replace("d", "f8").replace("Q", "u8")}', count, at)
+        arrays.append(values.astype(np.float64) if code == 'd' else values.tolist())
+        at += 8 * count
+    if len(raw) - at > _SLACK * (len(codes) + 1 + empty):
+        raise NoFitError
+    return arrays
+
+
+def count_at(body: bytes, at: int) -> tuple[int, int]:
+    """Return the length of a sequence that begins at a place, and where its elements do."""
+    try:
+        (count,) = struct.unpack_from('<I', body, at)
+    except struct.error:
+        raise NoFitError from None
+    return count, at + 4
 
 
 class CommonBytes:

@@ -11,8 +11,6 @@ import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from drake_geom_ros.live.conversions.serialized_cloud import Header
 from drake_geom_ros.live.conversions.serialized_fields import (
     BEGIN,
@@ -20,12 +18,13 @@ from drake_geom_ros.live.conversions.serialized_fields import (
     CommonBytes,
     NoFitError,
     aligned,
+    arrays_in,
+    count_at,
     text_at,
 )
 from drake_geom_ros.math.array_types import Floats
 
 _NAMES_AT = 8  # behind the stamp
-_MOST_SLACK = 16  # [bytes] behind a message: Fast DDS leaves up to 4 for each empty array
 _MOST_BYTES = 4_000_000  # of names that are kept
 _MOST_SENDERS = 64
 
@@ -106,7 +105,7 @@ class PoseReader:
         try:
             if names is None or not is_known:
                 names = _names_in(raw, self._layout.texts)
-            arrays = _arrays_in(raw, BEGIN + names.common.size, self._layout.arrays)
+            arrays = arrays_in(raw, BEGIN + names.common.size, self._layout.arrays)
             seconds, nanoseconds = struct.unpack_from('<iI', raw, BEGIN)
         except NoFitError:
             return None
@@ -135,34 +134,7 @@ def _names_in(raw: bytes, texts: int) -> _Names:
 
     frame_id = text(_NAMES_AT)
     members: list[str | tuple[str, ...]] = [text(next_at()) for _ in range(texts)]
-    count, end = _count_at(body, next_at())
+    count, end = count_at(body, next_at())
     spans.append((end - 4, end))
     members.append(tuple([text(next_at()) for _ in range(count)]))
     return _Names(CommonBytes(body, spans), frame_id, tuple(members))
-
-
-def _arrays_in(raw: bytes, at: int, codes: str) -> list[Any]:
-    """Return the arrays that begin at a place of a message, which ends with them."""
-    arrays: list[Any] = []
-    for code in codes:
-        count, at = _count_at(raw, BEGIN + aligned(at - BEGIN, 4))
-        if count:
-            at = BEGIN + aligned(at - BEGIN, 8)
-        if at + 8 * count > len(raw):
-            raise NoFitError
-        # Copied, for in the message they may stand where a processor reads them slowly.
-        values = np.frombuffer(raw, f'<{code.replace("d", "f8").replace("Q", "u8")}', count, at)
-        arrays.append(values.astype(np.float64) if code == 'd' else values.tolist())
-        at += 8 * count
-    if len(raw) - at > _MOST_SLACK:
-        raise NoFitError
-    return arrays
-
-
-def _count_at(body: bytes, at: int) -> tuple[int, int]:
-    """Return the length of a sequence that begins at a place, and where its elements do."""
-    try:
-        (count,) = struct.unpack_from('<I', body, at)
-    except struct.error:
-        raise NoFitError from None
-    return count, at + 4

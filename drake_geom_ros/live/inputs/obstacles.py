@@ -18,7 +18,7 @@ from drake_geom_ros.common.geometry_names import matches
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.conversions.fields import stamp_after
 from drake_geom_ros.live.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
-from drake_geom_ros.live.inputs.map_feeds import Feed, MapFeeds, Shown
+from drake_geom_ros.live.inputs.map_feeds import MapFeeds, Shown
 from drake_geom_ros.live.inputs.obstacle_records import (
     Found,
     Held,
@@ -28,6 +28,7 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     Turn,
 )
 from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
+from drake_geom_ros.live.scene.feeds import Feed
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import stand

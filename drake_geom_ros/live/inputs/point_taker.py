@@ -18,7 +18,6 @@ from drake_geom_ros.live.conversions.laser_scan import (
     unturned,
 )
 from drake_geom_ros.live.conversions.point_cloud import Columns, columns_of_cloud
-from drake_geom_ros.live.inputs.map_feeds import MOST_FEEDS
 from drake_geom_ros.live.inputs.obstacle_records import (
     Found,
     Held,
@@ -26,6 +25,7 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     ObstacleSettings,
     Place,
 )
+from drake_geom_ros.live.scene.feeds import MOST_FEEDS
 from drake_geom_ros.live.scene.self_filter import SelfFilter, Zones
 from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.sensed_maps.cells import Cells, Keys, keys_of

@@ -12,7 +12,8 @@ from typing import Any
 
 TF, MESSAGES, JOINTS = 'TF', '~/frame_poses', 'joint states'
 OBSTACLES = '~/obstacles'
-_ALL = TF, MESSAGES, JOINTS, OBSTACLES
+TRACKERS = '~/tracked_objects'
+_ALL = TF, MESSAGES, JOINTS, OBSTACLES, TRACKERS
 _BY_TURNS = 1.0  # [s] a frame that changes hands again that soon is not handed over
 _REMEMBERED = 5.0  # [s] for which it is told of
 

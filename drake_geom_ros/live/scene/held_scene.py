@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, QueryObject, SceneGraph
-from drake_geom_ros.live.conversions.names import WORLD
+from drake_geom_ros.live.conversions.names import TRACKED, WORLD
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.half_spaces import overlapping_half_spaces
@@ -23,6 +23,7 @@ from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.live.scene.scene_snapshot import MAPS, SceneMark, SceneSnapshot
+from drake_geom_ros.live.scene.scene_tracked import NAMED_AS_TRACKED, SceneTracked
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.live.scene.waiting import Waiting, waiting
 from drake_geom_ros.math import RigidTransform
@@ -43,7 +44,8 @@ class HeldScene:
     - ``model``: the scene graph, names, joints of robots, versions.
     - ``poses``: where frames are, since when, who posed them, and how they move.
     - ``filters``: transient filters with their owners and leases, and filters that wait.
-    - ``maps``, ``cameras``, ``rules``: sensed maps, cameras, proximity rules.
+    - ``maps``, ``tracked``: sensed maps, tracked bodies.
+    - ``cameras``, ``rules``: cameras, proximity rules.
     - ``log``: lines for a node to log.
 
     Example::
@@ -65,6 +67,7 @@ class HeldScene:
         self.poses = ScenePoses(self.model, clocks, self.rules, self.log)
         self.filters = SceneFilters(self.model, clocks, self.log)
         self.maps = SceneMaps(self.model, self.rules)
+        self.tracked = SceneTracked(self.model, clocks)
         self.cameras = SceneCameras()
         # Called when an answer is to name the scene, whose names must be told then.
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
@@ -109,12 +112,16 @@ class HeldScene:
         self.cameras.refuse_beyond_limits(camera for _, camera in other.loaded.cameras)
         if self.maps.stand is not None and MAPS in other.loaded.sources:
             raise ArgumentError(HAS_MAPS)
+        if self.tracked.heartbeat is not None and TRACKED in other.loaded.sources:
+            raise ArgumentError(NAMED_AS_TRACKED)
         other.scene_graph.set_default_accuracy(self.accuracy)
         other.context.set_default_accuracy(self.accuracy)
         self.poses.begin_anew()
         self.filters.begin_anew()
         self.cameras.clear()
         self.maps.by_name = other.maps.maps
+        had_tracker = self.tracked.heartbeat is not None
+        self.tracked.forget()
         self.replaced += 1
         self.model.adopt(
             other.scene_graph,
@@ -129,6 +136,8 @@ class HeldScene:
             self.rules.offer(other.draft.rules)
         if self.maps.stand is not None:
             self.maps.stand(self)  # before rules are bound: those about maps go on
+        if had_tracker and self.tracked.stand is not None:
+            self.tracked.stand(self)
         return self.begin(other.loaded)
 
     def begin(self, loaded: LoadedScene) -> tuple[int, int]:
@@ -165,9 +174,15 @@ class HeldScene:
 
     def forget_source(self, name: str, frames: Sequence[FrameId]) -> None:
         """Forget what is known of a source that has gone, and of its frames."""
+        self.forget_frames(frames)
+        self.filters.awaited.forget(name)
+        if self.tracked.heartbeat is not None and self.tracked.heartbeat.frame in frames:
+            self.tracked.forget()
+
+    def forget_frames(self, frames: Sequence[FrameId]) -> None:
+        """Forget what is known of frames that have gone."""
         self.poses.forget(frames)
         self.cameras.forget(frames)
-        self.filters.awaited.forget(name)
         self.filters.forget_frames(frames)
 
     def bind_rules(self) -> None:
@@ -270,6 +285,7 @@ class HeldScene:
             self.rules.rules,
             model.maps_source,
             self.maps.sources,
+            has_tracked=self.tracked.heartbeat is not None,
         )
 
     def mark(self) -> SceneMark:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, SourceId
+from drake_geom_ros.live.conversions.names import TRACKED
 from drake_geom_ros.live.scene.clocks import Clocks, Since
 from drake_geom_ros.live.scene.out_of_sight import MapSights, Sight
 from drake_geom_ros.live.scene.scene_model import SceneModel
@@ -61,12 +62,18 @@ class SceneMaps:
         self.told_apart: Callable[[str], float] = lambda name: 0.0
 
     def refuse(self, source: SourceId) -> None:
-        """Raise ArgumentError for the source of the maps, which only messages change."""
+        """Raise ArgumentError for the source of maps or of trackers, which messages change."""
         if source == self._model.maps_source:
             raise ArgumentError(
                 f'the source {MAPS!r} holds sensed maps, which only messages of sensors, '
                 'load_obstacles and clear_obstacles change; for what is to stand beside them '
                 'register a source of another name'
+            )
+        if self._model.is_tracked(source):
+            raise ArgumentError(
+                f'the source {TRACKED!r} holds bodies that trackers see, which only their '
+                'messages change; for what is to stand beside them register a source of another '
+                'name'
             )
 
     def shells(self) -> list[tuple[GeometryId, SeenShell]]:

@@ -16,7 +16,7 @@ from drake_geom_ros.geometry import (
     SourceId,
 )
 from drake_geom_ros.live.conversions.frame_poses import FramePosesReader
-from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.conversions.names import TRACKED, NameTable
 from drake_geom_ros.live.scene.robot_joints import RobotJoints
 from drake_geom_ros.scene_files import RobotDescription, add_renderers
 
@@ -168,6 +168,10 @@ class SceneModel:
         """Return the source that owns a geometry, and the geometry of that name."""
         geometry = self.names.geometry(name)
         return self.inspector.GetOwningSourceId(geometry), geometry
+
+    def is_tracked(self, source: SourceId) -> bool:
+        """Return whether a source is that of tracked bodies, which has a heartbeat."""
+        return self.names.has_heartbeat and self.inspector.GetName(source) == TRACKED
 
     def is_mounted(self, frame: FrameId) -> bool:
         """Return whether the home of a frame is one of another source."""

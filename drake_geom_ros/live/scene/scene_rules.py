@@ -23,7 +23,7 @@ from drake_geom_ros.geometry import (
     SignedDistanceResults,
     closing_speeds,
 )
-from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED, some_of
 from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen_bodies
 from drake_geom_ros.live.scene.seen_shells import SeenShell, with_shells
 from drake_geom_ros.math import RigidTransform
@@ -255,7 +255,9 @@ class SceneRules:
         else:
             geometries = [GeometryId(value) for value in candidates.ids.tolist()]
             names = [geometry_names(inspector, geometry) for geometry in geometries]
-            pairs = ScenePairs(NamedGeometries(names), candidates)
+            heartbeat = [(each.source, each.frame_name) == (TRACKED, HEARTBEAT) for each in names]
+            vital = np.array(heartbeat, dtype=np.bool_)
+            pairs = ScenePairs(NamedGeometries(names, vital), candidates)
             on = hanging(inspector, geometries)
             of_each = (inspector.GetFrameId(geometry).get_value() for geometry in geometries)
             frames = np.fromiter(of_each, np.int64, len(geometries))

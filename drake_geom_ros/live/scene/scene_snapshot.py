@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
     SourceId,
 )
+from drake_geom_ros.live.conversions.names import TRACKED
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import (
     AwaitedFilter,
@@ -61,11 +62,13 @@ class SceneSnapshot:
     rules: tuple[ProximityRule, ...]
     maps: SourceId | None
     obstacle_sources: tuple[ObstacleSource, ...] = ()
+    has_tracked: bool = False  # the source of tracked bodies is there
 
     def description(self) -> SceneDescription:
         """Return the scene: persistent filters included, every frame where it was.
 
-        Frames that wait for their first pose go on waiting in it. Sensed maps are left out.
+        Frames that wait for their first pose go on waiting in it. Sensed maps and tracked bodies
+        are left out.
         """
         query = QueryObject(self.context)
         frames = query.inspector().GetAllFrameIds()
@@ -76,6 +79,8 @@ class SceneSnapshot:
         )
         if self.maps is not None:  # what was seen is no model of anything
             described = without_source(described, MAPS)
+        if self.has_tracked:  # they come and go with their tracker
+            described = without_source(described, TRACKED)
         return replace(
             described,
             awaited=self.waiting,

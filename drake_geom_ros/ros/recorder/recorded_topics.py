@@ -4,7 +4,7 @@ from __future__ import annotations
 
 _IN_NAMESPACE = ('joint_states', 'robot_description', 'robot_description_semantic')
 _OF_NODE = (
-    *('frame_poses', 'scene', 'signed_distances', 'penetrations'),
+    *('frame_poses', 'tracked_objects', 'scene', 'signed_distances', 'penetrations'),
     *('proximity_events', 'proximity_states'),
 )
 

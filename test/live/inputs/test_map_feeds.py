@@ -8,8 +8,8 @@ from live.inputs.test_beside_bodies import MAST, STEP, WALL, Watched, ball
 from live.inputs.test_obstacles import near, octomap
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.inputs.map_feeds import MOST_FEEDS
 from drake_geom_ros.live.inputs.point_taker import PointTaker
+from drake_geom_ros.live.scene.feeds import MOST_FEEDS
 from drake_geom_ros.live.scene.map_placing import sensor_ages
 from drake_geom_ros.sensed_maps.cells import Cells
 

@@ -29,7 +29,8 @@ def removal(scene: HeldScene, source: SourceId) -> Change[HeldScene, tuple[int, 
 
     Raises ArgumentError for that of sensed maps.
     """
-    scene.maps.refuse(source)
+    if not scene.model.is_tracked(source):  # its trackers may have ended for good
+        scene.maps.refuse(source)
     name = scene.model.inspector.GetName(source)
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Removed:
