@@ -15,6 +15,7 @@ from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.batch.results import LeastDistances
 from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.trajectories.joint_spline import JointSpline
 
 
 class PathProfile(NamedTuple):
@@ -44,6 +45,39 @@ def profile_of_path(
     row_times = np.arange(len(rows))
     states = np.column_stack([np.interp(times, row_times, column) for column in rows.T])
     checks = PathChecker(scene_graph, joints, **options).check_edges(states)
+    return _profile(scene_graph, joints, times, checks, states)
+
+
+def profile_of_spline(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    spline: JointSpline,
+    pieces: int = 200,
+    **options: Any,
+) -> PathProfile:
+    """Return the profile of a spline in ``pieces`` of time, and at its points; times in seconds.
+
+    Args and options are those of ``profile_of_path``.
+    """
+    inner = np.linspace(spline.times[0], spline.times[-1], max(pieces, 1) + 1)
+    times = np.union1d(inner, spline.times)
+    checker = PathChecker(scene_graph, joints, **options)
+    checks = [
+        checker.check_spline(spline.part(begin, end))
+        for begin, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True)
+    ]
+    states = np.array([spline.value(time) for time in times.tolist()])
+    return _profile(scene_graph, joints, times, checks, states)
+
+
+def _profile(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    times: Floats,
+    checks: list[MotionCheck],
+    states: Floats,
+) -> PathProfile:
+    """Return the profile of checked pieces, with the distances of the states between them."""
     least = evaluate(scene_graph, states=states, joints=joints, want='least')
     assert isinstance(least, LeastDistances)
     return PathProfile(

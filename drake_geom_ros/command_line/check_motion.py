@@ -8,7 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.batch.path_profile import PathProfile, draw_profile
-from drake_geom_ros.command_line.checked_motions import CLEAR_IN_PIECES, of_motion, of_path
+from drake_geom_ros.command_line.checked_motions import (
+    CLEAR_IN_PIECES,
+    of_motion,
+    of_path,
+    of_trajectory,
+)
 from drake_geom_ros.command_line.exit_codes import DONE, NO, NOT_PROVED
 from drake_geom_ros.command_line.option_values import (
     count,
@@ -31,14 +36,35 @@ def add_to(commands: Any) -> None:
         'the poses of a motion, straight from moment to moment: clear for all times, the first '
         'contact, or from when on nothing is proved. Exit code 0 where it is clear, 1 where it is '
         'not, and 3 where a motion is clear in pieces: of its curve between the moments nothing '
-        'is proved. Times are rows of the path, or seconds of the motion.',
+        'is proved. A trajectory is proved along the splines on which controllers take joints. '
+        'Times are rows of the path, or seconds.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     add_scene_options(parser)
     moving = parser.add_mutually_exclusive_group(required=True)
     moving.add_argument('--path', metavar='FILE', help='.npy, .npz or .csv, as states of batch')
+    moving.add_argument(
+        '--trajectory',
+        metavar='FILE',
+        help='trajectory_msgs/JointTrajectory as YAML, along the splines of controllers',
+    )
     moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
     parser.add_argument('--names', nargs='+', metavar='NAME', help='joints of the columns')
+    _add_question(parser)
+    parser.add_argument('--csv', metavar='FILE', help='what is proved, piece by piece')
+    parser.add_argument('--picture', metavar='FILE', help='distances and proved bounds over time')
+    parser.add_argument(
+        '--pieces',
+        type=count,
+        default=200,
+        metavar='N',
+        help='of --csv and --picture, and into which a motion is cut (default: 200)',
+    )
+    parser.set_defaults(run=run)
+
+
+def _add_question(parser: argparse.ArgumentParser) -> None:
+    """Add the options of what is to be proved."""
     parser.add_argument(
         '--min-distance', type=finite, default=0.0, metavar='D', help='[m] (default: 0)'
     )
@@ -47,7 +73,7 @@ def add_to(commands: Any) -> None:
         type=positive,
         default=TIME_TOLERANCE,
         metavar='T',
-        help='the longest span that may hold the first contact, in rows (default: 1e-6)',
+        help='longest span that may hold the first contact, in rows or seconds (default: 1e-6)',
     )
     parser.add_argument(
         '--max-evaluations',
@@ -72,23 +98,17 @@ def add_to(commands: Any) -> None:
         metavar='D',
         help='prove more of a clear path, until its bound is so close to the distances seen [m]',
     )
-    parser.add_argument('--csv', metavar='FILE', help='what is proved, piece by piece')
-    parser.add_argument('--picture', metavar='FILE', help='distances and proved bounds over time')
-    parser.add_argument(
-        '--pieces',
-        type=count,
-        default=200,
-        metavar='N',
-        help='of --csv and --picture, and into which a motion is cut (default: 200)',
-    )
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Check, report and return the exit code; GeometryError or OSError for bad input."""
     outputs = {'--csv': options.csv, '--picture': options.picture}
-    check_outputs(outputs, [options.scene, options.srdf, options.path, options.motion])
-    checked = (of_motion if options.motion else of_path)(options)
+    inputs = options.scene, options.srdf, options.path, options.trajectory, options.motion
+    check_outputs(outputs, list(inputs))
+    if options.motion:
+        checked = of_motion(options)
+    else:
+        checked = (of_trajectory if options.trajectory else of_path)(options)
     check_outputs(outputs, checked.files)
     check = checked.check
     print(

@@ -1,22 +1,27 @@
-"""Results of ``check-motion``, for a path of joint values or a motion file."""
+"""Results of ``check-motion``, for a path of joint values, a trajectory or a motion file."""
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.batch import Joints, check_path
-from drake_geom_ros.batch.path_profile import PathProfile, profile_of_path
+from drake_geom_ros.batch import Joints, check_path, check_trajectory
+from drake_geom_ros.batch.path_profile import (
+    PathProfile,
+    profile_of_path,
+    profile_of_spline,
+)
 from drake_geom_ros.batch.state_files import read_states
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import load_chosen
 from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
-from drake_geom_ros.scene_files import SceneFileError, files_of
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
+from drake_geom_ros.trajectories import JointSpline, read_trajectory
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.viewing.timeline import (
     Timeline,
@@ -70,11 +75,49 @@ def of_path(options: argparse.Namespace) -> CheckedMotion:
     )
 
 
+def of_trajectory(options: argparse.Namespace) -> CheckedMotion:
+    """Check a trajectory along the splines of controllers; errors as of ``of_path``."""
+    if options.names:
+        raise OSError('--names goes with --path; a trajectory names its joints itself')
+    scene_graph = SceneGraph()
+    loaded = load_chosen(options, scene_graph)
+    names, trajectory = read_trajectory(options.trajectory)
+    joints, spline = Joints.of(loaded, _with_robots(names, loaded)), JointSpline(trajectory)
+    question = {
+        **_question(options),
+        'ignore_start_contacts': options.ignore_start_contacts,
+        'ignore_limits': options.ignore_limits,
+    }
+    check = check_trajectory(
+        scene_graph, joints, trajectory, max_evaluations=options.max_evaluations, **question
+    )
+    speeds = spline.speeds()
+    fastest = int(np.argmax(speeds))
+    return CheckedMotion(
+        check=check,
+        outcome=check.outcome,
+        profile=lambda: profile_of_spline(scene_graph, joints, spline, options.pieces, **question),
+        name_of=loaded.name_of,
+        remarks=[f'fastest joint {joints.names[fastest]}, at most {speeds[fastest]:.6g} 1/s'],
+        unit='s',
+        files=list(files_of(scene_graph, loaded.robots.values())),
+    )
+
+
+def _with_robots(names: Sequence[str], loaded: LoadedScene) -> list[str]:
+    """Return the names of joints with their robots, where only one robot has such a joint."""
+    robots: dict[str, list[str]] = {}
+    for name in Joints.of(loaded).names:
+        robots.setdefault(name.split('::', 1)[1], []).append(name)
+    return [full[0] if len(full := robots.get(name, [])) == 1 else name for name in names]
+
+
 def of_motion(options: argparse.Namespace) -> CheckedMotion:
     """Check a motion file in pieces, straight from pose to pose; errors as of ``of_path``."""
     for name in _OF_PATHS:
         if getattr(options, name):
-            raise OSError(f'--{name.replace("_", "-")} goes with --path, not with --motion')
+            option = name.replace('_', '-')
+            raise OSError(f'--{option} goes with --path or --trajectory, not with --motion')
     posed, count = (
         PosedScene(options.scene, options.srdf, options.package_root, options.solid),
         options.pieces,

@@ -14,13 +14,16 @@ from drake_geom_ros.trajectories.kinematics import Kinematics
 from drake_geom_ros.trajectories.motion import Grasp, Motion, RobotMotion
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.trajectories.timed_poses import TimedPoses, read_timed_poses
+from drake_geom_ros.trajectories.trajectory_file import NamedTrajectory, read_trajectory
 
 __all__ = [
     'JointSpline',
     'JointTrajectory',
+    'NamedTrajectory',
     'Kinematics',
     'load_motion',
     'read_timed_poses',
+    'read_trajectory',
     'Motion',
     'RobotMotion',
     'Grasp',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from math import comb
 from typing import NamedTuple
 
@@ -94,6 +95,18 @@ class JointSpline:
     @property
     def _last(self) -> int:
         return max(0, len(self.times) - 2)
+
+    def part(self, begin: float, end: float) -> JointSpline:
+        """Return the spline from a time [s] to a later one, both within one segment."""
+        edge = int(np.clip(np.searchsorted(self.times, begin, 'right') - 1, 0, self._last))
+        span = self.times[edge + 1] - self.times[edge]
+        a, b = (begin - self.times[edge]) / span, (end - self.times[edge]) / span
+        powers = _shift(a, b - a) @ self._values()[edge]
+        cut = copy(self)
+        cut.times = np.array([begin, end])
+        cut.positions = np.stack((powers[0], powers.sum(axis=0)))
+        cut._powers, cut._sizes = powers[np.newaxis, 1:], self._sizes[edge : edge + 1]
+        return cut
 
     def path(self) -> JointPath:
         """Return the path, with ``EDGES`` of equal length a segment, for a ``PathChecker``."""
@@ -208,12 +221,9 @@ def _quintic(
     return np.stack(powers, axis=1)
 
 
-def _shift(piece: int, count: int) -> Floats:
-    """Return the matrix from coefficients of p(s) to those of p on one of equal pieces.
-
-    On the piece from a to a + h they are those of ``p(a + h u)`` in u.
-    """
-    a, h, every = piece / count, 1.0 / count, range(_DEGREE + 1)
+def _shift(a: float, h: float) -> Floats:
+    """Return the matrix from coefficients of p(s) to those of ``p(a + h u)`` in u."""
+    every = range(_DEGREE + 1)
     rows = [[comb(i, j) * a ** (i - j) * h**j if i >= j else 0.0 for i in every] for j in every]
     return np.array(rows)
 
@@ -228,11 +238,12 @@ def _to_controls(degree: int) -> Floats:
     bernstein = np.array(
         [[comb(j, i) / comb(degree, i) if j >= i else 0.0 for i in every] for j in every]
     )
-    shifts = [_shift(piece, _PIECES)[: degree + 1, : degree + 1] for piece in range(_PIECES)]
+    pieces = [_shift(piece / _PIECES, 1.0 / _PIECES) for piece in range(_PIECES)]
+    shifts = [shift[: degree + 1, : degree + 1] for shift in pieces]
     return np.concatenate([bernstein @ shift for shift in shifts])
 
 
-_SHIFTS = np.stack([_shift(edge, EDGES) for edge in range(EDGES)])
+_SHIFTS = np.stack([_shift(edge / EDGES, 1.0 / EDGES) for edge in range(EDGES)])
 _TO_CONTROLS = {degree: _to_controls(degree) for degree in (3, 4, 5)}
 
 

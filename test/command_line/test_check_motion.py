@@ -52,6 +52,45 @@ def test_what_is_no_path_is_said_in_a_line(folder, capsys):
     assert 'rod::push = 99; it is outside its limits' in capsys.readouterr().err
 
 
+SWING = """
+joint_names: [turn, push]
+points:
+- {time_from_start: 0, positions: [3.14159, 0.0], velocities: [0.0, 0.0]}
+- {time_from_start: 2, positions: [END, 0.0], velocities: [0.0, 0.0]}
+"""
+
+
+def test_a_trajectory_is_checked_along_its_spline(folder, capsys):
+    table, file = folder / 'swing.csv', folder / 'swing.yaml'
+    file.write_text(SWING.replace('END', '6.28318'))
+    asked = ['--trajectory', str(file), '--csv', str(table), '--pieces', '20']
+    assert main(['check-motion', str(folder / 'scene.yaml'), *asked]) == 0
+    out = capsys.readouterr().out
+    assert 'outcome clear\ntimes 2.0 2.0\n' in out
+    assert 'fastest joint rod::turn, at most 2.3' in out  # 1.5 times the mean
+    rows = list(csv.DictReader(table.open()))
+    assert len(rows) == 20
+    assert {row['outcome'] for row in rows} == {'clear'}
+    for row in rows:
+        assert 0.0 < float(row['lower_bound']) <= float(row['distance']) + 1e-9
+    file.write_text(SWING.replace('END', '0.0'))
+    picture = folder / 'swing.png'
+    asked = ['--trajectory', str(file), '--picture', str(picture), '--pieces', '30']
+    assert main(['check-motion', str(folder / 'scene.yaml'), *asked]) == 1
+    assert 'outcome contact' in capsys.readouterr().out
+    assert Image.open(picture).size == (960, 480)
+
+
+def test_a_trajectory_names_its_joints(folder, capsys):
+    file = folder / 'other.yaml'
+    file.write_text(SWING.replace('END', '6.28318').replace('push', 'pull'))
+    scene = str(folder / 'scene.yaml')
+    assert main(['check-motion', scene, '--trajectory', str(file)]) == 2
+    assert 'pull' in capsys.readouterr().err
+    assert main(['check-motion', scene, '--trajectory', str(file), '--names', 'turn']) == 2
+    assert '--names goes with --path' in capsys.readouterr().err
+
+
 CROSSING = """
 robots:
   rod:

@@ -122,3 +122,13 @@ def test_the_edges_of_a_path_are_the_spline(kind):
             time = times[edge] + part * (times[edge + 1] - times[edge])
             value = rows[edge] + (part ** np.arange(1, 6)) @ curves[edge, :5]
             assert np.allclose(value, spline.value(time), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_a_part_is_the_spline_in_its_time(kind):
+    spline = JointSpline(trajectory_of(2, kind))
+    begin, end = np.interp([1.2, 1.7], np.arange(4), spline.times)
+    part = spline.part(begin, end)
+    for time in np.linspace(begin, end, 7):
+        assert np.allclose(part.value(time), spline.value(time), rtol=0, atol=1e-12)
+    assert len(part.path().rows) == EDGES + 1
