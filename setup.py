@@ -58,6 +58,7 @@ EXTRAS = {
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'completion': ['shtab>=1.6'],  # of the shell
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
+    'dataframes': ['pandas>=2.0'],  # results as tables
     'nrrd': ['pynrrd>=1.0'],  # fields of distances for volume viewers
     'casadi': ['casadi>=3.6'],  # constraints as functions of CasADi
     'mujoco': ['mujoco>=3.17'],  # models of MuJoCo (MJCF)

@@ -22,6 +22,7 @@ from drake_geom_ros.batch.distance_gradients import (
 from drake_geom_ros.batch.evaluation import context_of
 from drake_geom_ros.batch.joints import Joints, chain_of_arms, poses_of_arms, still_poses
 from drake_geom_ros.batch.questions import Question
+from drake_geom_ros.common.tables import SHOWN_ROWS, html_table
 from drake_geom_ros.geometry import (
     ArgumentError,
     GeometryError,
@@ -136,6 +137,25 @@ class Checker:
         raise TypeError(
             'a Checker is of this process, where it sees that its scene changes: make one in each'
         )
+
+    def __repr__(self) -> str:
+        return (
+            f'<Checker: {self.joints.count} joints, {len(self._every_pair)} pairs, margin '
+            f'{self.margin:g} m, accuracy {self.accuracy!r}>'
+        )
+
+    def _repr_html_(self) -> str:
+        """Return the ten nearest pairs where all joints are nearest to 0, for notebooks."""
+        q = np.clip(0.0, self.joints.lower, self.joints.upper)
+        distance = self.distances_and_gradients(q).distance
+        order = np.argsort(distance, kind='stable')[:SHOWN_ROWS].tolist()
+        names = self.pair_names
+        columns = {
+            'A': [names[k][0] for k in order],
+            'B': [names[k][1] for k in order],
+            'distance [m]': [f'{distance[k]:.6g}' for k in order],
+        }
+        return html_table(f'{self!r}; the nearest {len(order)} at joint values near 0', columns)
 
     def free(self, q: ArrayLike) -> bool:
         """Return whether a state (c,) is free.

@@ -7,14 +7,21 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.batch.contacts import ContactsOfStates
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.questions import Columns, Job, Question
-from drake_geom_ros.batch.results import Gathered, Results
+from drake_geom_ros.batch.results import (
+    Gathered,
+    LeastDistances,
+    PairsOfStates,
+    PointsOfStates,
+    Results,
+)
 from drake_geom_ros.batch.running import (
     LEAST_BLOCK,
     LOCAL_BLOCK,
@@ -34,11 +41,127 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.math.array_types import Flags
 
 Progress = Callable[[int, int], None]  # number of states done, and of all
 _SECONDS = 1.0  # between two lines of progress
 
 
+# What comes back depends on ``want``, which editors then complete.
+@overload
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = ...,
+    poses: ArrayLike | None = ...,
+    *,
+    want: Literal['collision'],
+    max_distance: float = ...,
+    accuracy: str = ...,
+    executor: Executor | None = ...,
+    progress: bool | Progress = ...,
+    states: ArrayLike | None = ...,
+    joints: Joints | None = ...,
+    count: int = ...,
+    points: ArrayLike | None = ...,
+    by_joints: bool = ...,
+    threads: int = ...,
+    block_size: int = ...,
+) -> Flags: ...
+@overload
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = ...,
+    poses: ArrayLike | None = ...,
+    want: Literal['least'] = ...,
+    max_distance: float = ...,
+    accuracy: str = ...,
+    executor: Executor | None = ...,
+    progress: bool | Progress = ...,
+    *,
+    states: ArrayLike | None = ...,
+    joints: Joints | None = ...,
+    count: int = ...,
+    points: ArrayLike | None = ...,
+    by_joints: bool = ...,
+    threads: int = ...,
+    block_size: int = ...,
+) -> LeastDistances: ...
+@overload
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = ...,
+    poses: ArrayLike | None = ...,
+    *,
+    want: Literal['nearest', 'within'],
+    max_distance: float = ...,
+    accuracy: str = ...,
+    executor: Executor | None = ...,
+    progress: bool | Progress = ...,
+    states: ArrayLike | None = ...,
+    joints: Joints | None = ...,
+    count: int = ...,
+    points: ArrayLike | None = ...,
+    by_joints: bool = ...,
+    threads: int = ...,
+    block_size: int = ...,
+) -> PairsOfStates: ...
+@overload
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = ...,
+    poses: ArrayLike | None = ...,
+    *,
+    want: Literal['points'],
+    max_distance: float = ...,
+    accuracy: str = ...,
+    executor: Executor | None = ...,
+    progress: bool | Progress = ...,
+    states: ArrayLike | None = ...,
+    joints: Joints | None = ...,
+    count: int = ...,
+    points: ArrayLike | None = ...,
+    by_joints: bool = ...,
+    threads: int = ...,
+    block_size: int = ...,
+) -> PointsOfStates: ...
+@overload
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = ...,
+    poses: ArrayLike | None = ...,
+    *,
+    want: Literal['contacts'],
+    max_distance: float = ...,
+    accuracy: str = ...,
+    executor: Executor | None = ...,
+    progress: bool | Progress = ...,
+    states: ArrayLike | None = ...,
+    joints: Joints | None = ...,
+    count: int = ...,
+    points: ArrayLike | None = ...,
+    by_joints: bool = ...,
+    threads: int = ...,
+    block_size: int = ...,
+) -> ContactsOfStates: ...
+@overload
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = ...,
+    poses: ArrayLike | None = ...,
+    want: str = ...,
+    max_distance: float = ...,
+    accuracy: str = ...,
+    executor: Executor | None = ...,
+    progress: bool | Progress = ...,
+    *,
+    states: ArrayLike | None = ...,
+    joints: Joints | None = ...,
+    count: int = ...,
+    points: ArrayLike | None = ...,
+    by_joints: bool = ...,
+    threads: int = ...,
+    block_size: int = ...,
+) -> Results: ...
 def evaluate(
     scene_graph: SceneGraph | SceneGraphContext,
     frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = None,

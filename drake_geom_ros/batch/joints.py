@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.tables import html_table
 from drake_geom_ros.geometry import ArgumentError, FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointTree, side_by_side
 from drake_geom_ros.math.array_types import Floats, Indices
@@ -47,6 +48,14 @@ class Joints:
         self.lower, self.upper = lower, upper
         self.id_values = ids  # (n,) of the frames that the robots pose
         self.arms = arms
+
+    def __repr__(self) -> str:
+        return f'<Joints: {self.count} of {len(self.arms)} robots, {", ".join(self.names)}>'
+
+    def _repr_html_(self) -> str:
+        """Return the joints and their limits as a table, for notebooks."""
+        columns = {'joint': self.names, 'lower': self.lower.tolist(), 'upper': self.upper.tolist()}
+        return html_table(f'Joints: {self.count} of {len(self.arms)} robots', columns)
 
     @property
     def count(self) -> int:

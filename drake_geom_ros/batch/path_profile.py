@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
-from drake_geom_ros.batch.results import LeastDistances
 from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.trajectories.joint_spline import JointSpline
@@ -79,7 +78,6 @@ def _profile(
 ) -> PathProfile:
     """Return the profile of checked pieces, with the distances of the states between them."""
     least = evaluate(scene_graph, states=states, joints=joints, want='least')
-    assert isinstance(least, LeastDistances)
     return PathProfile(
         times=times,
         outcomes=tuple(check.outcome for check in checks),

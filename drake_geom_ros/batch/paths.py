@@ -198,6 +198,12 @@ class PathChecker:
         self._own, self._stop = threading.local(), self._prepared.stop
         self._spare, self._ended = [self._prepared.queries], False
 
+    def __repr__(self) -> str:
+        return (
+            f'<PathChecker: {self.joints.count} joints, {len(self._prepared.scene.pairs)} pairs, '
+            f'min_distance {self._question.min_distance:g} m, accuracy {self._level!r}>'
+        )
+
     def __enter__(self) -> PathChecker:
         """Return this checker."""
         return self

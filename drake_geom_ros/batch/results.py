@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.contacts import ContactsOfStates
 from drake_geom_ros.batch.names import Names, PairNames
+from drake_geom_ros.common.tables import Columns, Tabular
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
 
@@ -27,7 +28,32 @@ class _LeastDistances(NamedTuple):
     joint_gradient: Floats  # (N, q) by joint values [m/rad] or [-]; (N, 0) without by_joints
 
 
-class LeastDistances(PairNames, _LeastDistances):
+class _OfStates(Tabular, Names):
+    """Base of results with columns of rows, each of a state."""
+
+    def columns(self) -> Columns:
+        """Return the arrays (k, ...) by name, after the ``state`` (k,) of each row."""
+        fields: Columns = self._asdict()  # type: ignore[attr-defined]
+        offsets = fields.pop('offsets', None)
+        rows = np.arange(len(fields['distance']))
+        if offsets is not None:
+            rows = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+        columns: Columns = {'state': rows}
+        for name, values in fields.items():
+            columns[name] = values
+            if name.startswith('id_') and self._name_of:
+                columns[name.replace('id_', 'name_')] = self.names_of(values)
+        return columns
+
+    def __repr__(self) -> str:
+        columns = self._asdict()  # type: ignore[attr-defined]
+        distance, offsets = columns['distance'], columns.get('offsets')
+        states = len(distance) if offsets is None else len(offsets) - 1
+        nearest = f', the nearest {distance.min():.6g} m' if len(distance) else ''
+        return f'<{type(self).__name__}: {len(distance)} rows of {states} states{nearest}>'
+
+
+class LeastDistances(_OfStates, PairNames, _LeastDistances):
     """The pair with the smallest lower bound in each of N states, with QueryObject's quantities.
 
     ``distance`` is within ``error_bound`` of the smallest distance of all pairs. If every pair of
@@ -51,7 +77,7 @@ class _PairsOfStates(NamedTuple):
     joint_gradient: Floats  # (k, q) by joint values [m/rad] or [-]; (k, 0) without by_joints
 
 
-class PairsOfStates(PairNames, _PairsOfStates):
+class PairsOfStates(_OfStates, PairNames, _PairsOfStates):
     """Pairs of N states: those of state s are rows ``offsets[s]`` to ``offsets[s + 1]``.
 
     Those of ``within`` are sorted by (id_A, id_B), those of ``nearest`` by ascending lower bounds.
@@ -71,7 +97,7 @@ class _PointsOfStates(NamedTuple):
     p_GN: Floats  # (k, 3) [m] in the geometry's frame
 
 
-class PointsOfStates(Names, _PointsOfStates):
+class PointsOfStates(_OfStates, _PointsOfStates):
     """Distances of geometries to points; those of state s are rows ``offsets[s:s + 2]``.
 
     They are sorted by (point_index, id_G).

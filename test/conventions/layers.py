@@ -184,7 +184,7 @@ LAYERS = {
     ),
     'math': (('math',), ('numpy',)),
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
-    'common': (('math', 'common'), ('numpy', 'tqdm')),
+    'common': (('math', 'common'), ('numpy', 'pandas', 'tqdm')),
     'sensors': (('math', 'sensors'), ('numpy',)),
     'proximity_rules': (('math', 'common', 'geometry', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,

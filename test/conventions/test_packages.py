@@ -75,7 +75,7 @@ LIBRARIES = {
 OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
     *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules', 'xacro', 'rosbags', 'mcap'),
-    *('meshio', 'lz4', 'zstandard', 'jsonschema_rs', 'casadi', 'nrrd'),
+    *('meshio', 'lz4', 'zstandard', 'jsonschema_rs', 'casadi', 'nrrd', 'pandas'),
 }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,8 +36,11 @@ from drake_geom_ros.geometry.queries.query_results import (
 )
 from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Indices
 from drake_geom_ros.math.missing import refuse_missing_member
 from drake_geom_ros.math.tolerances import FARTHEST
+
+_Results = TypeVar('_Results', PenetrationResults, SignedDistanceResults, PointDistanceResults)
 
 
 class QueryObject(ImageQueries, MotionChecks, ContactQueries):
@@ -206,14 +209,15 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         """
         state = self._state
         if paddings := state.paddings():
-            return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
+            return self._named(self._padded(paddings, 0.0, accuracy, time_budget).penetrations())
         query = state.query('penetrations', accuracy, 0.0, True, ANSWERS)
         budget = checked_budget(time_budget)
         answers = state.engine.answer_of(query, budget)
         # Kernels decide every pair, and to look for undecided ones costs as much as 50 balls.
         if query.is_bound or budget > 0.0:
-            return PenetrationResults(batch_of(answers).penetrating(), query.world.kept_poses())
-        return PenetrationResults(answers, query.world.kept_poses())
+            batch = batch_of(answers).penetrating()
+            return self._named(PenetrationResults(batch, query.world.kept_poses()))
+        return self._named(PenetrationResults(answers, query.world.kept_poses()))
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether any unfiltered pair overlaps; stops at the first.
@@ -262,10 +266,18 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         reach = _checked_distance('max_distance', max_distance)
         state = self._state
         if paddings := state.paddings():
-            return self._padded(paddings, reach, accuracy, time_budget)
+            return self._named(self._padded(paddings, reach, accuracy, time_budget))
         query = state.query(reach, accuracy, reach, False, ANSWERS)
         answers = state.engine.answer_of(query, checked_budget(time_budget))
-        return SignedDistanceResults(answers, query.world.kept_poses())
+        return self._named(SignedDistanceResults(answers, query.world.kept_poses()))
+
+    def _named(self, results: _Results) -> _Results:
+        """Return results that know the scene to look up names in."""
+        results.know_names(self._names_of_ids)
+        return results
+
+    def _names_of_ids(self, ids: Indices) -> list[str]:
+        return self.inspector().full_names(ids)
 
     def _padded(
         self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
@@ -406,7 +418,9 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         batch = state.engine.point_distances(world, p_WQs, farthest)
         if paddings:
             batch = padded_points(batch, paddings, world, p_WQs, reach)
-        return PointDistanceResults(batch, world.kept_poses(), p_WQs, paddings is not None)
+        return self._named(
+            PointDistanceResults(batch, world.kept_poses(), p_WQs, paddings is not None)
+        )
 
 
 PreparedQuery.query_type = QueryObject

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -53,6 +55,11 @@ _POINTS_A, _POINTS_B = np.s_[:, WITNESS_A : WITNESS_A + 3], np.s_[:, WITNESS_B :
 _IN_A, _IN_B = np.s_[:, P_ACA : P_ACA + 3], np.s_[:, P_BCB : P_BCB + 3]
 _DEPTHS, _DISTANCES = np.s_[:, DEPTH], np.s_[:, DISTANCE]
 
+# Columns of a table that all pairs have.
+_OF_PAIRS = ('error_bound', 'nhat_BA_W', 'p_WCa', 'p_WCb', 'method')
+
+_Pairs = TypeVar('_Pairs', bound='_PairSequence[Any]')
+
 Ids = NDArray[np.int64]
 
 
@@ -94,7 +101,14 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 
     def without_padding(self) -> SignedDistanceResults:
         """Return the same pairs with the distances and witness points of the bodies themselves."""
-        return SignedDistanceResults(PairBatch(self._ids, self._surface_rows), self._kept_poses)
+        bare = SignedDistanceResults(PairBatch(self._ids, self._surface_rows), self._kept_poses)
+        return self._with_names(bare)
+
+    def _with_names(self, results: _Pairs) -> _Pairs:
+        """Return results that look up names where these do."""
+        if self._names_of_ids is not None:
+            results.know_names(self._names_of_ids)
+        return results
 
     @property
     def id_A(self) -> NDArray[np.int64]:
@@ -105,6 +119,16 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     def id_B(self) -> NDArray[np.int64]:
         """Id values (k,) of the second geometries."""
         return self._ids[_SECOND]
+
+    @property
+    def name_A(self) -> NDArray[np.str_]:
+        """Names (k,) of the first geometries, ``source::frame/geometry``; see ``names_of``."""
+        return self.names_of(self.id_A)
+
+    @property
+    def name_B(self) -> NDArray[np.str_]:
+        """Names (k,) of the second geometries; see ``names_of``."""
+        return self.names_of(self.id_B)
 
     @property
     def nhat_BA_W(self) -> Floats:
@@ -147,6 +171,8 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
     """The penetrating pairs, sorted by (id_A, id_B)."""
 
+    _listed = ('id_A', 'id_B', 'depth', *_OF_PAIRS)
+
     @property
     def depth(self) -> Floats:
         """Penetration depths (k,) [m], positive."""
@@ -163,13 +189,14 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
 
     def of(self, which: NDArray[np.bool_] | Ids) -> PenetrationResults:
         """Return the pairs of a mask (k,), or of places in their order."""
-        return type(self)(PairBatch(self._ids[which], self._rows[which]), self._kept_poses)
+        batch = PairBatch(self._ids[which], self._rows[which])
+        return self._with_names(type(self)(batch, self._kept_poses))
 
     def and_others(self, batch: PairBatch) -> PenetrationResults:
         """Return these pairs followed by those of a batch, with the batch's columns."""
         ids = np.vstack((self._ids, batch.ids))
         rows = np.vstack((self._rows[:, : batch.rows.shape[1]], batch.rows))
-        return type(self)(PairBatch(ids, rows), self._kept_poses)
+        return self._with_names(type(self)(PairBatch(ids, rows), self._kept_poses))
 
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]
@@ -189,12 +216,14 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
 class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     """The signed distances of pairs, sorted by (id_A, id_B)."""
 
+    _listed = ('id_A', 'id_B', 'distance', 'is_nhat_BA_W_unique', *_OF_PAIRS)
+
     def penetrations(self) -> PenetrationResults:
         """Return the pairs among these that ComputePointPairPenetration would report.
 
         One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.penetrating(), self._kept_poses)
+        return self._with_names(PenetrationResults(self._batch.penetrating(), self._kept_poses))
 
     @property
     def distance(self) -> Floats:
@@ -259,6 +288,11 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint, PointBatch]):
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
+    _listed = (
+        *('point_index', 'id_G', 'distance', 'error_bound', 'grad_W', 'is_grad_W_unique'),
+        *('p_GN', 'method'),
+    )
+
     def __init__(
         self,
         batch: PointBatch,
@@ -284,6 +318,11 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
     def id_G(self) -> NDArray[np.int64]:
         """Id values (k,) of the geometries."""
         return self._batch.ids
+
+    @property
+    def name_G(self) -> NDArray[np.str_]:
+        """Names (k,) of the geometries, ``source::frame/geometry``; see ``names_of``."""
+        return self.names_of(self.id_G)
 
     @property
     def point_index(self) -> NDArray[np.uint32]:

@@ -10,14 +10,21 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import Any, Generic, TypeVar, overload
 
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.tables import Columns, Tabular
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import PairBatch, PointBatch
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.math.array_types import Floats, Indices
 
 Record = TypeVar('Record')
 Batch = TypeVar('Batch', PairBatch, PointBatch)
+# Returns the names of geometries by their id values (k,).
+NamesOfIds = Callable[[Indices], list[str]]
 
 
-class ResultSequence(Sequence[Record], Generic[Record, Batch]):
+class ResultSequence(Tabular, Sequence[Record], Generic[Record, Batch]):
     """Read-only sequence of records over arrays; subclasses name the arrays.
 
     Only the order can be changed, by ``sort``, which also sorts the arrays. It can be compared
@@ -25,6 +32,34 @@ class ResultSequence(Sequence[Record], Generic[Record, Batch]):
     """
 
     _rows: Floats
+    _names_of_ids: NamesOfIds | None = None
+    _listed: tuple[str, ...] = ()  # the properties that ``columns`` has
+
+    def know_names(self, names_of_ids: NamesOfIds) -> None:
+        """Take a function that returns the names of geometries, by their id values (k,)."""
+        self._names_of_ids = names_of_ids
+
+    def names_of(self, ids: Indices) -> NDArray[np.str_]:
+        """Return the names (k,) of geometries now, ``source::frame/geometry``, by id values.
+
+        Raises GeometryError for a geometry that was removed, and for results that do not know
+        their scene, such as those of a prepared query.
+        """
+        if self._names_of_ids is None:
+            raise GeometryError(
+                'these results know no scene to look up names in: '
+                'query_object.inspector().full_names(ids) has them'
+            )
+        return np.array(self._names_of_ids(ids), dtype=np.str_)
+
+    def columns(self) -> Columns:
+        """Return the arrays (k, ...) by name, with names of geometries if these are known."""
+        columns: Columns = {}
+        for name in self._listed:
+            columns[name] = getattr(self, name)
+            if name.startswith('id_') and self._names_of_ids is not None:
+                columns[name.replace('id_', 'name_')] = self.names_of(columns[name])
+        return columns
 
     @property
     def _batch(self) -> Batch:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from drake_geom_ros.autodiffutils import AutoDiffXd
+from drake_geom_ros.common.tables import html_table
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import checked_pose, checked_type
 from drake_geom_ros.geometry.errors import PoseError
@@ -74,6 +75,23 @@ class SceneGraph(SceneHolder):
         self._state = SceneContent(Model(), FilterState())
         self.set_config(SceneGraphConfig() if config is None else config)
         self.set_default_accuracy(accuracy)
+
+    def __repr__(self) -> str:
+        inspector = self.model_inspector()
+        near = inspector.NumGeometriesWithRole(Role.kProximity)
+        return (
+            f'<{type(self).__name__}: {inspector.num_sources()} sources, '
+            f'{inspector.num_frames()} frames, {inspector.num_geometries()} geometries, '
+            f'{near} with the proximity role>'
+        )
+
+    def _repr_html_(self) -> str:
+        """Return the sources and what they registered as a table, for notebooks."""
+        inspector = self.model_inspector()
+        sources = inspector.GetAllSourceIds()
+        names = [inspector.GetName(source) for source in sources]
+        frames = [inspector.NumFramesForSource(source) for source in sources]
+        return html_table(repr(self), {'source': names, 'frames': frames})
 
     if not TYPE_CHECKING:  # mypy would take any method for one that is there
         __getattr__ = refuse_missing_member
