@@ -6,6 +6,7 @@
     python -m bench.maps packing                     # how long a map takes to make, and its memory
     python -m bench.maps changes                     # some cells of a map that is in a scene
     python -m bench.maps resolution                  # error, time, memory: docs/accuracy/maps.md
+    python -m bench.maps stops                       # missed and false stops: accuracy/stops.md
 
 Times are of the processor, one thread, in turns in one process: compare them, do not quote them.
 """
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 import argparse
 
-from bench.maps import arms, changes, packing
+from bench.maps import arms, changes, packing, stops
 
 
 def main() -> None:
@@ -30,6 +31,7 @@ def main() -> None:
     changing.add_argument('--counts', type=int, nargs='+', default=[100_000, 1_000_000])
     changing.add_argument('--changes', type=int, nargs='+', default=[1, 100, 10_000])
     commands.add_parser('resolution', help='what resolution costs, into docs/accuracy')
+    commands.add_parser('stops', help='what a scan costs a stop rule, into docs/accuracy')
     options = parser.parse_args()
     if options.command == 'arms':
         arms.run(options.states, options.resolution)
@@ -37,6 +39,8 @@ def main() -> None:
         packing.run(options.counts)
     elif options.command == 'changes':
         changes.run(options.counts, options.changes)
+    elif options.command == 'stops':
+        stops.run()
     else:
         from bench.maps import resolution  # needs matplotlib
 
