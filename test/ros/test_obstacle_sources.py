@@ -212,3 +212,35 @@ def test_a_sensor_whose_poses_never_come_delays_no_other(base):
     # A process that waited for each lost scan would take two of others a second.
     assert after['front'] - before > sent // 2
     accepted(call(srv.RemoveObstacleSource, 'remove_obstacle_source', name='lost'))
+
+
+def test_a_sensor_that_sees_only_the_robot_is_stale_and_not_free(base):
+    base.until(lambda: base.near() == (False, 0), 'both far')
+    on_hull = 0.2  # [m] its side, which rays straight ahead meet
+    stale = True, msg.ProximityEvents.STALE
+    base.until(
+        lambda: base.near() == stale, 'scans of the robot alone', front=[math.inf] * 4 + [on_hull]
+    )
+    base.until(lambda: base.near() == (False, 0), 'it sees more again')
+
+
+def test_two_drivers_that_alternate_hide_nothing_from_each_other(base):
+    """The front lidar sees far, another driver of its topic near: both count all the time."""
+    base.until(lambda: base.near() == (False, 0), 'both far')
+    other = base.client.node.create_publisher(LaserScan, '/scanned/front', 10)
+    mine, entered = base.scans['front'], []
+
+    def alternate():
+        base.scans['front'] = other
+        base.scan('front', [0.25] * RAYS, 0.0)
+        base.scans['front'] = mine
+        entered.append(base.near()[0])
+        return entered[-1]
+
+    base.until(alternate, 'near by one of two')
+    entered.clear()
+    base.until(lambda: alternate() and len(entered) > 20, 'alternation')
+    assert all(entered)
+    base.client.node.destroy_publisher(other)
+    accepted(base.client.call(srv.ClearObstacles, 'clear_obstacles', map='front'))
+    base.until(lambda: base.near() == (False, 0), 'one driver')
