@@ -74,7 +74,7 @@ EXTRAS['models'] = [
 EXTRAS['all'] = sorted({name for names in EXTRAS.values() for name in names})
 # The robot of the demo weighs more than all the rest.
 EXTRAS['demo'] = [*EXTRAS['pictures'], 'example-robot-data>=4.3']
-EXTRAS['examples'] = ['ompl>=2.0']  # plan_an_arm.py and plan_with_proof.py
+EXTRAS['examples'] = ['ompl>=2.0', 'ruckig>=0.15']  # the examples that plan
 EXTRAS |= ROS_FROM_PYPI
 # The tests of the core; those whose library is missing, such as pydrake, are skipped.
 EXTRAS['test'] = [

@@ -292,7 +292,7 @@ install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add_wheels view viser lcm; }
 install_recordings() { pip_add_wheels recordings rosbags mcap; }
 install_vtk() { pip_add_wheels vtk vtk; }
-install_examples() { pip_add_wheels examples ompl; }
+install_examples() { pip_add_wheels examples ompl ruckig; }
 install_wheels() { pip_add -r "$root/requirements/wheels.txt" -c"$root"/requirements/{view,test,peers,cluster}.txt; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 
