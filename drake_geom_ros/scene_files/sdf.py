@@ -35,7 +35,7 @@ from drake_geom_ros.scene_files.sdf_elements import pose_in, text_of
 from drake_geom_ros.scene_files.sdf_joints import joint_of
 from drake_geom_ros.scene_files.sdf_models import MODEL, Item, Scope, read_scope
 from drake_geom_ros.scene_files.sdf_poses import link_of, model_pose, pose_of
-from drake_geom_ros.scene_files.sdf_shapes import shape_of
+from drake_geom_ros.scene_files.sdf_shapes import is_extruded, shape_of
 from drake_geom_ros.scene_files.sdf_vocabulary import warnings_about
 from drake_geom_ros.scene_files.urdf_proximity import proximity_properties_of
 from drake_geom_ros.scene_files.urdf_tree import UNDRIVEN, check_forest, root_links
@@ -287,7 +287,8 @@ class _ModelReader:
             if not name or name in names:
                 name = f'{name or "collision"}_{index}'
             names.add(name)
-            if isinstance(made[0], Mesh) and options.is_solid(link, name):
+            is_solid = options.is_solid(link, name) or is_extruded(made[0])
+            if isinstance(made[0], Mesh) and is_solid:
                 properties.AddProperty('mesh', 'solid', True)
             if padding := options.padding(link, name):
                 properties.AddProperty('proximity', 'padding', padding)

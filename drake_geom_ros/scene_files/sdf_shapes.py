@@ -13,16 +13,26 @@ from drake_geom_ros.geometry import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.extrusion import extruded
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.sdf_elements import SdfFile, numbers_in, text_of
 from drake_geom_ros.scene_files.xml_tree import local_name
 
-KNOWN_SHAPES = ('box', 'capsule', 'cylinder', 'ellipsoid', 'empty', 'mesh', 'plane', 'sphere')
+KNOWN_SHAPES = (
+    'box',
+    'capsule',
+    'cylinder',
+    'ellipsoid',
+    'empty',
+    'mesh',
+    'plane',
+    'polyline',
+    'sphere',
+)
 _HOW = {
     'heightmap': 'simulators scale and turn its image differently; give the heights as the shape '
     'height_field of a scene file, or the surface as a mesh',
-    'polyline': 'give the extruded outline as a mesh',
     'image': 'give its boxes, or a mesh',
     'cone': 'give it as a mesh, whose hull is the cone',
 }
@@ -58,8 +68,16 @@ def shape_of(
     if kind in ('capsule', 'cylinder'):
         make = Cylinder if kind == 'cylinder' else Capsule
         return make(*(numbers_in(shape, name, 1)[0] for name in ('radius', 'length'))), stays
+    if kind == 'polyline':
+        return _polyline(shape), stays
     advice = f'; {_HOW[kind]}' if kind in _HOW else ''
     raise ValueError(f'the shape <{kind}> is not read{advice}; read are {", ".join(KNOWN_SHAPES)}')
+
+
+def _polyline(element: Any) -> Mesh:
+    """Return the mesh of an outline that is extruded along z, from 0 to its height."""
+    points = [numbers_in(each, '', 2) for each in element.findall('point')]
+    return Mesh.FromMeshData(extruded(points, *numbers_in(element, 'height', 1)))
 
 
 def _mesh(element: Any, file: SdfFile, resolver: ResourceResolver) -> Shape:
@@ -74,3 +92,8 @@ def _mesh(element: Any, file: SdfFile, resolver: ResourceResolver) -> Shape:
         local_name(child) == 'declare_convex' for child in element
     )
     return (Convex if convex else Mesh)(path, scale)
+
+
+def is_extruded(shape: Shape) -> bool:
+    """Return whether a shape is that of a ``<polyline>``, which is a solid."""
+    return isinstance(shape, Mesh) and shape.mesh_data() is not None

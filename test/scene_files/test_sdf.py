@@ -472,7 +472,11 @@ def shaped(shape):
             shaped('<heightmap/>'),
             r'<heightmap> is not read; simulators scale .* height_field of a scene file',
         ),
-        (shaped('<polyline/>'), r'<polyline> is not read'),
+        (shaped('<polyline/>'), r'<polyline> has no <height>'),
+        (
+            shaped('<polyline><point>0 0</point><height>1</height></polyline>'),
+            r'an outline of 1 points',
+        ),
         (shaped('<cone/>'), r'<cone> is not read; give it as a mesh'),
         (shaped('<box><size>1 2</size></box>'), r"<size> is '1 2'; it must be 3 finite numbers"),
         (shaped('<sphere/>'), r'<sphere> has no <radius>'),
@@ -533,3 +537,19 @@ def test_a_faulty_include_is_named_by_its_own_file(parts):
     (parts / 'bad.sdf').write_text(model('\n' + link('a', pose='<pose>x</pose>')))
     with pytest.raises(SceneFileError, match=r'bad.sdf:2: .*link\[a\]'):
         read_scene(written(parts, model('<include><uri>bad.sdf</uri></include>')))
+
+
+def test_a_polyline_is_the_solid_of_its_outline():
+    """A point in the notch of an arrow is out of it, and its hull would hold it."""
+    points = ''.join(f'<point>{x} {y}</point>' for x, y in ((0, 0), (2, 1), (0, 2), (1, 1)))
+    text = shaped(f'<polyline>{points}<height>0.5</height></polyline>')
+    scene_graph = SceneGraph()
+    register(scene_graph, read_scene(text))
+    context = scene_graph.CreateDefaultContext()
+    query = scene_graph.get_query_output_port().Eval(context)
+    at = np.array([[0.5, 1.0, 0.25], [1.5, 1.0, 0.6]])
+    distances = query.ComputeSignedDistanceToPoint(at).distance
+    np.testing.assert_allclose(distances, [0.5 / 2.0**0.5, 0.1], rtol=0.0, atol=1e-14)
+    (geometry,) = read_scene(text).geometries
+    (properties,) = geometry.roles.values()
+    assert properties.GetProperty('mesh', 'solid') is True
