@@ -39,7 +39,23 @@ from drake_geom_ros.scene_files.description import (
     RobotDescription,
     SceneDescription,
 )
+from drake_geom_ros.scene_files.drake_names import drake_name
 from drake_geom_ros.scene_files.errors import Location
+
+
+class GeometriesByName(dict[tuple[str, str, str], GeometryId]):
+    """Ids of geometries by source, frame and name, or the name that Drake gives a geometry.
+
+    Its keys are the own names; ``[]`` also finds a geometry by Drake's name, where no own name of
+    its link is equal.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.by_drake_name: dict[tuple[str, str, str], GeometryId] = {}
+
+    def __missing__(self, key: tuple[str, str, str]) -> GeometryId:
+        return self.by_drake_name[key]
 
 
 @dataclass(frozen=True)
@@ -49,7 +65,7 @@ class LoadedScene:
     - ``sources``: ids by name.
     - ``frames``: ids by (source, frame).
     - ``geometries``: ids of those with the proximity role, by (source, frame, geometry); the
-      frame is ``world`` if they are anchored.
+      frame is ``world`` if they are anchored. ``[]`` also finds them by Drake's names.
     - ``geometry_ids``: all geometries, in the order of the description.
     - ``robots``: by name, with the URDF and base pose for forward kinematics.
     - ``X_PFs``: initial poses that the description gives; new contexts begin with them.
@@ -163,7 +179,7 @@ class _Registration:
         self._context = context
         self._sources: dict[str, SourceId] = {}
         self._frames: dict[tuple[str, str], FrameId] = {}
-        self._geometries: dict[tuple[str, str, str], GeometryId] = {}
+        self._geometries = GeometriesByName()
         self._geometry_ids: list[GeometryId] = []
         self._welded: list[str] = []
 
@@ -295,6 +311,9 @@ class _Registration:
         self._geometry_ids.append(geometry_id)
         if Role.kProximity in geometry.roles:
             self._geometries[geometry.source, geometry.frame, geometry.name] = geometry_id
+            if name := drake_name(geometry.roles[Role.kProximity]):
+                key = geometry.source, geometry.frame, name
+                self._geometries.by_drake_name[key] = geometry_id
             self._note_weldings(geometry)
 
     def _note_weldings(self, geometry: GeometryDescription) -> None:

@@ -36,7 +36,8 @@ def shape_of(collision: Any, folder: Path, resolver: ResourceResolver) -> Shape:
     if kind in ('capsule', 'cylinder'):
         make = Cylinder if kind == 'cylinder' else Capsule
         return make(*(numbers(shape, name, 1)[0] for name in ('radius', 'length')))
-    raise ValueError(f'unknown shape <{kind}>; known are {", ".join(KNOWN_SHAPES)}')
+    advice = '; give a cone as a mesh, whose hull it is' if kind == 'cone' else ''
+    raise ValueError(f'unknown shape <{kind}>; known are {", ".join(KNOWN_SHAPES)}{advice}')
 
 
 def _mesh(element: Any, folder: Path, resolver: ResourceResolver) -> Shape:

@@ -97,6 +97,18 @@ def test_look_ups_find_both_names():
         assert find('r::a/Box_1') == 1
 
 
+def test_a_loaded_scene_finds_both_names_and_lists_the_own_one():
+    loaded = register(
+        SceneGraph(), read_scene(robot([('', 'Box'), ('Box_1', 'Box'), ('', 'Box')]))
+    )
+    names = ['collision_0', 'Box_1', 'collision_2']
+    assert list(loaded.geometries) == [('r', 'a', name) for name in names]
+    both = [loaded.geometries['r', 'a', name] for name in ('Box', 'Box_1', 'Box_2')]
+    assert both == list(loaded.geometry_ids)
+    with pytest.raises(KeyError):
+        loaded.geometries['r', 'a', 'Box_3']
+
+
 def test_an_own_name_counts_before_a_name_of_drake():
     for find in tables(robot([('', 'Box'), ('Box', 'Box')])):
         assert [find('a/collision_0'), find('a/Box')] == [0, 1]

@@ -182,7 +182,7 @@ def test_places_have_lines(folder):
          'r.urdf:9: link[base].collision[foot]: sphere has no attribute `radius`'),
         (b'<sphere radius="0.5"/>', b'<cone radius="0.5"/>',
          'r.urdf:9: link[base].collision[foot]: unknown shape <cone>; known are '
-         'box, capsule, cylinder, ellipsoid, mesh, sphere'),
+         'box, capsule, cylinder, ellipsoid, mesh, sphere; give a cone as a mesh'),
         (b'<sphere radius="0.5"/>', b'',
          'r.urdf:9: link[base].collision[foot]: missing <geometry> with one shape'),
         (b'<sphere radius="0.5"/>', b'<box size="1 2"/>',
