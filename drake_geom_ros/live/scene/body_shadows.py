@@ -13,7 +13,7 @@ import numpy as np
 
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
-_STRIDE = 1.0  # [m] of a ray at once at most; bodies farther away are not looked at
+_STRIDE = 0.25  # [m] of a ray at once at most; bodies farther away are not looked at
 _FINEST = 0.002  # [m] nearness to a body at which a ray counts as blocked, at least
 _MOST_STEPS = 100  # of a ray; one that is not through by then counts as blocked
 
@@ -46,9 +46,10 @@ def are_in_shadow(
     lengths = np.linalg.norm(ways, axis=1) - reach
     rays = np.flatnonzero(lengths > 0.0)
     directions = ways[rays] / np.linalg.norm(ways[rays], axis=1)[:, np.newaxis]
-    starts = _first_balls(balls, has_shadow, origin, directions, lengths[rays], near)
-    some = np.flatnonzero(starts < lengths[rays])
-    rays, directions, done = rays[some], directions[some], starts[some]
+    starts, ends = _ball_spans(balls, has_shadow, origin, directions, near)
+    ends = np.minimum(ends, lengths[rays])
+    some = np.flatnonzero(starts < ends)
+    rays, directions, done, ends = rays[some], directions[some], starts[some], ends[some]
     for _ in range(_MOST_STEPS):
         if not len(rays):
             return in_shadow
@@ -59,32 +60,32 @@ def are_in_shadow(
             np.minimum.at(gaps, rows[counts], lower[counts])
         in_shadow[rays[gaps <= near]] = True
         done = done + gaps - 0.5 * near
-        goes_on = (gaps > near) & (done < lengths[rays])
-        rays, directions, done = rays[goes_on], directions[goes_on], done[goes_on]
+        goes_on = (gaps > near) & (done < ends)
+        rays, directions, done, ends = (
+            rays[goes_on],
+            directions[goes_on],
+            done[goes_on],
+            ends[goes_on],
+        )
     in_shadow[rays] = True
     return in_shadow
 
 
-def _first_balls(
-    balls: Balls,
-    has_shadow: Flags,
-    origin: Floats,
-    directions: Floats,
-    lengths: Floats,
-    near: float,
-) -> Floats:
-    """Return where [m] rays (n,) come near a ball first; inf: they do not."""
-    starts = np.full(len(directions), np.inf)
+def _ball_spans(
+    balls: Balls, has_shadow: Flags, origin: Floats, directions: Floats, near: float
+) -> tuple[Floats, Floats]:
+    """Return where [m] rays (n,) come near a ball first and last; inf and 0: they do not."""
+    starts, ends = np.full(len(directions), np.inf), np.zeros(len(directions))
     for k in np.flatnonzero(has_shadow):
         radius = balls.radii[k] + near
         if not np.isfinite(radius):
-            starts[:] = 0.0
-            break
+            return np.zeros(len(directions)), np.full(len(directions), np.inf)
         p_OC = balls.centres[k] - origin
         middle = directions @ p_OC
         inside = radius * radius - (p_OC @ p_OC - middle * middle)
         half = np.sqrt(np.maximum(inside, 0.0))
+        meets = (inside >= 0.0) & (middle + half >= 0.0)
         first = np.maximum(middle - half, 0.0)
-        meets = (inside >= 0.0) & (middle + half >= 0.0) & (first < lengths)
         starts = np.where(meets, np.minimum(starts, first), starts)
-    return starts
+        ends = np.where(meets, np.maximum(ends, middle + half), ends)
+    return starts, ends
