@@ -13,6 +13,7 @@ from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.services.joint_views import JointsNow
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.trajectories import JointSpline, JointTrajectory
 
@@ -92,12 +93,12 @@ def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
     return [v for v, known in zip(values, is_known, strict=True) if known] if len(values) else []
 
 
-def timed_path(trajectory: Any, joints: Joints, start: Floats, profile: str) -> TimedPath:
+def timed_path(trajectory: Any, joints: Joints, start: JointsNow, profile: str) -> TimedPath:
     """Return the way of a JointTrajectory; raises ArgumentError for what it cannot be.
 
-    ``start`` (q,) are the values at time 0 where the first point comes later, NaN of joints of
-    which nobody knows one; a spline begins at rest there. Points without times, all 0, go from
-    time 0 to 1 by equal parts; one alone is the end. An empty ``profile`` is that of splines where
+    ``start`` has the values at time 0 where the first point comes later; a spline begins there
+    with the speeds of now, 0 where nobody knows one. Points without times, all 0, go from time 0
+    to 1 by equal parts; one alone is the end. An empty ``profile`` is that of splines where
     a point has velocities.
     """
     points = trajectory.points
@@ -121,13 +122,13 @@ def timed_path(trajectory: Any, joints: Joints, start: Floats, profile: str) -> 
         times = np.ones(1)
     _refuse_times(times)
     if times[0] > 0.0:
-        _refuse_unknown(times[0], joints, start)
-        rows, times = np.vstack((start, rows)), np.concatenate(([0.0], times))
+        _refuse_unknown(times[0], joints, start.now)
+        rows, times = np.vstack((start.now, rows)), np.concatenate(([0.0], times))
     return TimedPath(rows, times)
 
 
 def _spline_path(
-    points: Sequence[Any], joints: Joints, rows: Floats, times: Floats, start: Floats
+    points: Sequence[Any], joints: Joints, rows: Floats, times: Floats, start: JointsNow
 ) -> TimedPath:
     """Return the way along splines, whose points must have times."""
     if not times.any():
@@ -139,16 +140,17 @@ def _spline_path(
     velocities = _derivatives(points, 'velocities', joints)
     accelerations = _derivatives(points, 'accelerations', joints)
     if times[0] > 0.0:
-        _refuse_unknown(times[0], joints, start)
-        rows, times = np.vstack((start, rows)), np.concatenate(([0.0], times))
-        velocities, accelerations = _from_rest(velocities), _from_rest(accelerations)
+        _refuse_unknown(times[0], joints, start.now)
+        rows, times = np.vstack((start.now, rows)), np.concatenate(([0.0], times))
+        velocities = _begun_with(np.nan_to_num(start.speeds), velocities)
+        accelerations = _begun_with(np.zeros(joints.count), accelerations)
     spline = JointSpline(JointTrajectory(times, rows, velocities, accelerations))
     return TimedPath(rows, times, spline)
 
 
-def _from_rest(derivatives: Floats) -> Floats:
-    """Return derivatives after those of a start at rest; NaN if the first point has none."""
-    first = np.where(np.isnan(derivatives[:1]), np.nan, 0.0)
+def _begun_with(start: Floats, derivatives: Floats) -> Floats:
+    """Return derivatives after those of a start (q,); NaN if the first point has none."""
+    first = np.where(np.isnan(derivatives[:1]), np.nan, start)
     return np.asarray(np.vstack((first, derivatives)))
 
 

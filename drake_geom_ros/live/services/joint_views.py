@@ -32,6 +32,7 @@ class JointsNow(NamedTuple):
     """The values of named joints."""
 
     now: Floats  # (q,) [rad] or [m]; NaN where nobody knows
+    speeds: Floats  # (q,) [rad/s] or [m/s]; 0 where a request gave a value, NaN where unknown
     given: list[str]  # those of them that a request gave a value
 
 
@@ -60,10 +61,16 @@ def view_of_joints(
         refuse_carried_robots(scene, moving)
         old = scene.poses.links_of_stale_joints(live.stale_after, {*places, *values})
         replaced = view.replaced | moving.difference(old)
-        heard = {name: robots.robots[name].positions() for name in named}
-    now = [values.get(place, heard[place.robot][place.column]) for place in places]
+        heard = {name: robots.robots[name].values for name in named}
+    now, speeds = np.full((2, len(places)), np.nan)
+    for k, place in enumerate(places):
+        value = heard[place.robot][place.column]
+        if place in values:
+            now[k], speeds[k] = values[place], 0.0
+        elif value is not None:
+            now[k], speeds[k] = value.position, value.speed
     both = [name for name, place in zip(names, places, strict=True) if place in values]
-    return replace(view, replaced=replaced), joints, JointsNow(np.array(now), both)
+    return replace(view, replaced=replaced), joints, JointsNow(now, speeds, both)
 
 
 def _values(robots: RobotJoints, chosen: GivenJoints) -> dict[JointPlace, float]:

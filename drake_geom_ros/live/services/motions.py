@@ -26,8 +26,7 @@ from drake_geom_ros.live.services.joint_paths import (
     timed_path,
     without_columns,
 )
-from drake_geom_ros.live.services.joint_views import GivenJoints, view_of_joints
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.live.services.joint_views import GivenJoints, JointsNow, view_of_joints
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 OUTCOMES = {'clear': 1, 'contact': 2, 'unknown': 3}  # CLEAR, CONTACT and UNKNOWN of the answer
@@ -38,7 +37,8 @@ class JointWay(NamedTuple):
 
     path: TimedPath
     joints: Joints
-    now: Floats  # (q,) where the joints are; NaN where nobody knows
+    start: JointsNow
+    is_begun_now: bool  # with a way from where the joints are to the first point
     foreign: list[str]  # joints of the request that are none of the scene
 
 
@@ -114,7 +114,7 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
     trajectory, foreign = _of_the_scene(live, request)
     names = list(trajectory.joint_names)
     view, joints, begin = view_of_joints(live, request.start, names, start_joints)
-    path = timed_path(trajectory, joints, begin.now, request.profile)
+    path = timed_path(trajectory, joints, begin, request.profile)
     if begin.given and len(path.rows) == len(trajectory.points):
         raise ArgumentError(
             f'start_joints give {some_of(begin.given)} a value, and so does the first point of '
@@ -135,7 +135,8 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
             check = checker.check(path.rows)
         else:
             check = checker.check_spline(path.spline)
-    return view, check, JointWay(path, joints, begin.now, foreign)
+    is_begun_now = len(path.rows) > len(trajectory.points)
+    return view, check, JointWay(path, joints, begin, is_begun_now, foreign)
 
 
 def _of_the_scene(live: LiveScene, request: Any) -> tuple[Any, list[str]]:
@@ -155,13 +156,21 @@ def _fill_way(response: Any, way: JointWay) -> None:
     fastest = int(np.argmax(speeds))
     response.fastest_joint, response.joint_speed = way.joints.names[fastest], speeds[fastest]
     response.foreign_joints = way.foreign
-    unknown = [n for n, q in zip(way.joints.names, way.now, strict=True) if np.isnan(q)]
-    if unknown and way.path.spline is not None:
+    if way.path.spline is None:
+        return
+    names, start = np.array(way.joints.names), way.start
+    note = ''
+    if np.isnan(start.now).any():
         note = (
-            f'nobody knows where {some_of(unknown)} are now: whether the path begins there was '
-            'not judged'
+            f'nobody knows where {some_of(names[np.isnan(start.now)].tolist())} are now: whether '
+            'the path begins there was not judged'
         )
-        response.message = '; '.join(filter(None, (response.message, note)))
+    elif way.is_begun_now and np.isnan(start.speeds).any():
+        note = (
+            f'nobody knows how fast {some_of(names[np.isnan(start.speeds)].tolist())} move now: '
+            'the way to the first point begins at rest'
+        )
+    response.message = '; '.join(filter(None, (response.message, note)))
 
 
 def _fill(response: Any, check: MotionCheck, view: SceneView, path: TimedPath | None) -> None:

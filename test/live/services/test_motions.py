@@ -370,12 +370,27 @@ def test_a_spline_is_what_the_core_says_of_it(live, checker):
     assert kinds >= {'clear', 'contact'}
 
 
-def test_a_spline_begins_at_rest_where_the_joints_are(live):
+def test_a_spline_begins_where_the_joints_are(live):
     row, still = [1.2, 0.6, 0.1], {'velocities': [0, 0, 0]}
     later = answer(live, path=trajectory([row], times=(1.0,), **still))
     both = answer(live, path=trajectory([NOW, row], times=(0.0, 1.0), **still))
-    assert vars(later) == vars(both)
+    assert 'nobody knows how fast' in later.message
+    assert {**vars(later), 'message': ''} == {**vars(both), 'message': ''}
     assert later.joint_speed == pytest.approx(1.5 * 0.2)
+
+
+def test_a_spline_begins_with_the_speed_of_now(live):
+    speeds = [0.5, 0.0, 0.0]
+    with live.editing() as scene:
+        message = state(JOINTS_OF_ARM, NOW, velocities=speeds)
+        JointInput(live.clocks, 1.0, by_default=True).take(scene, message, 0.0)
+    row, still = [1.2, 0.6, 0.1], {'velocities': [0, 0, 0]}
+    later = answer(live, path=trajectory([row], times=(1.0,), **still))
+    path = trajectory([NOW, row], times=(0.0, 1.0), **still)
+    path.points[0].velocities = speeds
+    both = answer(live, path=path)
+    assert vars(later) == vars(both)
+    assert 'move now' not in later.message
 
 
 def test_points_go_straight_where_that_is_said(live):
