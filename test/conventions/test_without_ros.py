@@ -18,6 +18,9 @@ CORE = [
     if 'ROS' not in LAYERS[room_of(str(path.relative_to(PACKAGE)))][1]
 ]
 
+# Parts of pydrake whose import fails on purpose: see test/test_multibody.py.
+NOT_REBUILT = ('drake_geom_ros.multibody', 'drake_geom_ros.systems')
+
 NO_ROS = """
 import sys
 
@@ -59,7 +62,9 @@ def test_every_module_of_the_core_imports():
     modules = [
         name
         for name in CORE
-        if not name.endswith('__main__') and not any(room in name for room in left_out)
+        if not name.endswith('__main__')
+        and name not in NOT_REBUILT
+        and not any(room in name for room in left_out)
     ]
     result = run_without_ros(
         f'import importlib\nfor name in {modules}: importlib.import_module(name)'

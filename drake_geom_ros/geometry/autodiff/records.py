@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, ClassVar
 
+import numpy as np
+
+from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.queries.query_records import (
+    PenetrationAsPointPair,
+    SignedDistancePair,
+    SignedDistanceToPoint,
+)
 
 
 class _AutoDiffRecord:
@@ -15,13 +23,28 @@ class _AutoDiffRecord:
     """
 
     _NAMES: ClassVar[tuple[str, ...]] = ()
+    _PLAIN: ClassVar[Callable[[], Any]]  # makes the record of floats
     _witnesses: Callable[[], dict[str, Any]] | None = None
 
     def __init__(self, **values: Any) -> None:
+        """Take values by name; without any, those of a new record of floats."""
+        for name, value in (values or self._defaults()).items():
+            self._set(name, value)
+
+    def _defaults(self) -> dict[str, Any]:
+        plain = type(self)._PLAIN()
+        values = {name: getattr(plain, name, False) for name in self._NAMES}
         for name, value in values.items():
-            if name not in self._NAMES:
-                raise TypeError(f'{type(self).__name__} has {", ".join(self._NAMES)}; not {name}')
-            setattr(self, name, value)
+            if isinstance(value, np.ndarray):
+                values[name] = np.array([AutoDiffXd(x, []) for x in value.tolist()], dtype=object)
+            elif name in ('distance', 'depth'):
+                values[name] = AutoDiffXd(value, [])
+        return values
+
+    def _set(self, name: str, value: Any) -> None:
+        if name not in self._NAMES:
+            raise TypeError(f'{type(self).__name__} has {", ".join(self._NAMES)}; not {name}')
+        setattr(self, name, value)
 
     def __getattr__(self, name: str) -> Any:
         if name in self._NAMES and self._witnesses is not None:
@@ -43,6 +66,7 @@ class SignedDistancePairAutoDiffXd(_AutoDiffRecord):
     reason, if they have no derivatives. The error bound is that of the distance's value.
     """
 
+    _PLAIN = SignedDistancePair
     _NAMES = (
         *('id_A', 'id_B', 'distance', 'p_ACa', 'p_BCb', 'nhat_BA_W', 'is_nhat_BA_W_unique'),
         *('is_gradient_unique', 'error_bound', 'method'),
@@ -58,6 +82,7 @@ class PenetrationAsPointPairAutoDiffXd(_AutoDiffRecord):
     others may raise GeometryError.
     """
 
+    _PLAIN = PenetrationAsPointPair
     _NAMES = (
         *('id_A', 'id_B', 'depth', 'p_WCa', 'p_WCb', 'nhat_BA_W'),
         *('is_gradient_unique', 'error_bound', 'method'),
@@ -72,6 +97,7 @@ class SignedDistanceToPointAutoDiffXd(_AutoDiffRecord):
     The distance always has derivatives, and access to the others may raise GeometryError.
     """
 
+    _PLAIN = SignedDistanceToPoint
     _NAMES = (
         *('id_G', 'distance', 'p_GN', 'grad_W', 'is_grad_W_unique'),
         *('error_bound', 'method', 'point_index'),
