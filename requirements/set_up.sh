@@ -287,7 +287,7 @@ pip_add_wheels() {
 
 install_test() { add_sets test; }
 install_lint() { add_sets lint; }
-install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap pynrrd casadi; }
+install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap pynrrd casadi pandas; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add_wheels view viser lcm; }
 install_recordings() { pip_add_wheels recordings rosbags mcap; }
