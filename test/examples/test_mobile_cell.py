@@ -1,0 +1,41 @@
+"""The mobile cell: no stop is late against the truth, with every sensor well and with faults."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).parents[2] / 'examples' / 'mobile_cell'
+
+
+@pytest.fixture(scope='module')
+def cell():
+    sys.path.insert(0, str(FOLDER))
+    try:
+        import cell
+    finally:
+        sys.path.remove(str(FOLDER))
+    return cell
+
+
+def test_no_stop_is_late_and_the_robot_moves(cell):
+    run = cell.Run().go(8.0)
+    assert run.late == []
+    assert run.true_stops > 5, 'the referee had something to judge'
+    assert 0 < run.stopped < run.steps
+    entered = {rule for rules in run.whys for rule in rules}
+    assert entered == {'person', 'obstacle'}
+
+
+@pytest.mark.parametrize(
+    'fault', ['front dies', 'rear sees only the robot', 'tracker is late', 'tracker alternates']
+)
+def test_a_fault_stops_the_robot(cell, fault):
+    run = cell.Run(fault).go(2.0, fault_at=0.8)
+    assert run.late == []
+
+
+def test_the_referee_sees_a_stop_that_is_late(cell, monkeypatch):
+    """A node that decides nothing is late as soon as a body is near."""
+    monkeypatch.setattr(cell.Cell, 'decide', lambda self: {})
+    assert cell.Run().go(8.0).late
