@@ -8,7 +8,7 @@ from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories import read_trajectory
 
 TEXT = """
-header: {frame_id: ''}
+header: {stamp: {sec: 0, nanosec: 0}, frame_id: ''}
 joint_names: [a, b]
 points:
 - {time_from_start: 0.5, positions: [0.0, 1]}
