@@ -212,7 +212,7 @@ make_venv() {
   local base
   base=$("$python" -S -c 'import sys; print("%s/bin/python%d.%d" % (
     sys.base_prefix, *sys.version_info[:2]))')
-  rm -rf "$venv" "$builds"/{drake_geom,tf2,octomap}_msgs "$prefix" "${tf2_msgs%/*}"
+  rm -rf "$venv" "$builds"/{drake_geom,tf2,octomap,shape,object_recognition,moveit}_msgs "$prefix" "${tf2_msgs%/*}"
   # A ROS distribution's Python modules are the system's; they must stay visible.
   "$base" -m venv ${underlay:+--system-site-packages} "$venv"
   if [[ -n $underlay ]]; then "$venv/bin/python" -c 'import rclpy'; fi
@@ -343,20 +343,31 @@ build_messages() {
   build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only
 }
 
-# The messages of TF and of OctoMap, which distributions bring and no wheel.
+# The messages of TF, of OctoMap and of MoveIt, which distributions bring and no wheel; those that
+# others are made of come first.
+test_messages=({tf2,octomap,shape,object_recognition,moveit}_msgs)
+
 build_tf2_msgs() {
   prepare_environment
-  local name
-  for name in tf2_msgs octomap_msgs; do
+  local name python_only=ON
+  [[ -z $underlay ]] || python_only=OFF
+  rm -rf "${tf2_msgs%/*}" # those of before would count as a distribution's
+  for name in "${test_messages[@]}"; do
     if ! python -c "import $name.msg"; then
-      build_interfaces "test/msg_defs/$name" "${tf2_msgs%/*}/$name"
+      build_interfaces "test/msg_defs/$name" "${tf2_msgs%/*}/$name" -DPYTHON_ONLY=$python_only
     fi
   done
+}
+
+enter_test_messages() {
+  local name
+  for name in "${test_messages[@]}"; do enter "${tf2_msgs%/*}/$name"; done
 }
 
 # build_interfaces FOLDER PREFIX [CMAKE ARGUMENTS]: builds the package in FOLDER into PREFIX.
 build_interfaces() {
   prepare_environment
+  enter_test_messages
   cd "$root"
   # colcon would hold jobs back by the load of the whole machine.
   MAKEFLAGS=-j$(nproc) colcon build --base-paths "$1" --build-base "$builds" \

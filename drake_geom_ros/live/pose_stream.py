@@ -132,7 +132,7 @@ class PoseStream:
             self._run_cycle(scene)
 
     def map_has_changed(self) -> None:
-        """Run a cycle for a map that was replaced, if none is due by the timer."""
+        """Run a cycle for a map or objects that changed, if none is due by the timer."""
         if self._settings.values.rate == 0.0:
             self.cycle_is_due()
 

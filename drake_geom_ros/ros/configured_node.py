@@ -15,6 +15,7 @@ from std_msgs.msg import Float64
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
 from drake_geom_ros.live.inputs.point_queries import PointQueries
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.namesakes import Namesakes
@@ -230,7 +231,10 @@ class ConfiguredNode:
             self._beside['point_distances'].did,
         )
         log = self._node.get_logger().info
-        receivers = topics.Receivers(self._stream, points, RobotInput(self.live), log)
+        changed = partial(self._guard.attempt, self._stream.map_has_changed)
+        planning = PlanningSceneInput(self.live, self._surface.wake(changed, self._groups.stream))
+        robot = RobotInput(self.live)
+        receivers = topics.Receivers(self._stream, points, robot, planning, log)
         topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
 
     def _listen(self, values: NodeParameters, obstacle_sources: Mapping[str, NamedSource]) -> None:

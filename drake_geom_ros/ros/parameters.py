@@ -40,6 +40,7 @@ class NodeParameters:
     point_threshold: float = 0.1
     use_tf: bool = False
     use_joint_states: bool = False
+    use_planning_scene: bool = False
     robot_description_topic: str = 'robot_description'
     robot_description_semantic_topic: str = 'robot_description_semantic'
     filter_self_collisions: bool = False
@@ -103,6 +104,10 @@ TEXTS = {
     'use_joint_states': (
         'Pose the links of robots by the topic joint_states (sensor_msgs/JointState); a robot of '
         'a scene file that names a topic of its own is driven by that one anyhow.'
+    ),
+    'use_planning_scene': (
+        "Take MoveIt's objects from /collision_object, /attached_collision_object and "
+        '/planning_scene; needs moveit_msgs.'
     ),
     'robot_description_topic': (
         'Topic (std_msgs/String, latched) whose URDF becomes a source of the scene; empty: none.'
@@ -405,6 +410,11 @@ def _refusal(values: NodeParameters) -> str:
         return (
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
+        )
+    if values.use_planning_scene and importlib.util.find_spec('moveit_msgs') is None:
+        return (
+            'use_planning_scene is true, and the package moveit_msgs cannot be imported; install '
+            'it (ros-$ROS_DISTRO-moveit-msgs), or register objects by register_geometry'
         )
     obstacle_values = values.obstacles, values.obstacle_self_filter, values.obstacle_box
     if reason := refusal_of_obstacles(*obstacle_values):

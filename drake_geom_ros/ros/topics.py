@@ -24,6 +24,7 @@ from visualization_msgs.msg import MarkerArray
 
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
 from drake_geom_ros.live.inputs.point_queries import PointQueries
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.pose_stream import PoseStream
@@ -59,6 +60,7 @@ class Receivers(NamedTuple):
     stream: PoseStream
     points: PointQueries
     robot: RobotInput
+    planning: PlanningSceneInput
     log: Callable[[str], object]
 
     def log_done(self, done: str) -> None:
@@ -119,6 +121,11 @@ def _speed_scale() -> QoSProfile:
     return _alive(QoSProfile(depth=1, deadline=Duration(seconds=DEADLINE)))
 
 
+def _changes() -> QoSProfile:
+    """Return the profile of changes of a planning scene, none of which may be lost."""
+    return QoSProfile(depth=_MOST_EVENTS)
+
+
 def newest() -> QoSProfile:
     """Return the profile of sensors: an old measurement is not worth its time."""
     return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -146,6 +153,22 @@ def _take_robot(to: Receivers, message: Any, _: MessageArrival) -> None:
 
 def _take_semantics(to: Receivers, message: Any, _: MessageArrival) -> None:
     to.log_done(to.robot.take_semantics(message.data))
+
+
+def _take_object(to: Receivers, message: Any, _: MessageArrival) -> None:
+    to.log_done(to.planning.take_object(message))
+
+
+def _take_attached(to: Receivers, message: Any, _: MessageArrival) -> None:
+    to.log_done(to.planning.take_attached(message))
+
+
+def _take_planning_scene(to: Receivers, message: Any, _: MessageArrival) -> None:
+    to.log_done(to.planning.take_scene(message))
+
+
+def _uses_planning_scene(values: NodeParameters) -> bool:
+    return values.use_planning_scene
 
 
 # Opened with others by the files that are named beside them.
@@ -182,6 +205,22 @@ INPUTS: tuple[Input, ...] = (
     ),
     Input('{robot_description_topic}', String, latched, 'loading', _take_robot),
     Input('{robot_description_semantic_topic}', String, latched, 'loading', _take_semantics),
+    Input(
+        *('/collision_object', 'moveit_msgs/msg/CollisionObject', _changes, 'loading'),
+        *(_take_object, _uses_planning_scene),
+    ),
+    Input(
+        '/attached_collision_object',
+        'moveit_msgs/msg/AttachedCollisionObject',
+        _changes,
+        'loading',
+        _take_attached,
+        _uses_planning_scene,
+    ),
+    Input(
+        *('/planning_scene', 'moveit_msgs/msg/PlanningScene', _changes, 'loading'),
+        *(_take_planning_scene, _uses_planning_scene),
+    ),
     *(JOINT_STATES, TF, TF_STATIC, OCTOMAP, TRACKED_OBJECTS),
 )
 

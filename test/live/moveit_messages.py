@@ -51,3 +51,33 @@ def attached_object(link, message, touch_links=(), weight=0.0):
         detach_posture=Plain(joint_names=[]),
         weight=weight,
     )
+
+
+def matrix(names=(), allowed=(), defaults=()):
+    """Return an AllowedCollisionMatrix; ``allowed`` are pairs, ``defaults`` a mapping."""
+    names, defaults = list(names), dict(defaults)
+    sets = [set(pair) for pair in allowed]
+    rows = [Plain(enabled=[{a, b} in sets and a != b for b in names]) for a in names]
+    return Plain(
+        entry_names=names,
+        entry_values=rows,
+        default_entry_names=list(defaults),
+        default_entry_values=list(defaults.values()),
+    )
+
+
+def planning_scene(objects=(), attached=(), allowed=None, is_diff=True, **fields):
+    """Return a PlanningScene; ``fields`` are further ones of it or of its robot_state."""
+    joints = Plain(name=fields.pop('joint_names', []))
+    state = Plain(
+        joint_state=joints,
+        multi_dof_joint_state=Plain(joint_names=[]),
+        attached_collision_objects=list(attached),
+        is_diff=fields.pop('state_is_diff', is_diff),
+    )
+    octomap = Plain(octomap=Plain(data=fields.pop('octomap', [])))
+    lists = ('fixed_frame_transforms', 'link_padding', 'link_scale', 'object_colors')
+    message = {key: [] for key in lists} | {'name': '', 'robot_model_name': ''}
+    message |= {'robot_state': state, 'allowed_collision_matrix': allowed or matrix()}
+    message |= {'world': Plain(collision_objects=list(objects), octomap=octomap)}
+    return Plain(**{**message, 'is_diff': is_diff, **fields})

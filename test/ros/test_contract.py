@@ -31,6 +31,7 @@ PARAMETERS = {
     'accuracy': ('exact', True),
     'stale_after': (1.0, True),
     'use_tf': (False, False),
+    'use_planning_scene': (False, False),
     'publish_markers': (False, True),
     'autostart': (True, False),
     'robot_description_topic': ('robot_description', False),

@@ -16,6 +16,7 @@ pytestmark = pytest.mark.topics
 NAMESPACE, NAME = '/cell', 'geometry'
 NODE = f'{NAMESPACE}/{NAME}'
 SENSING = f'{NAME}_sensors'
+MOVEIT = {'/collision_object', '/attached_collision_object', '/planning_scene'}
 # Element: its attributes, of which those in brackets may be missing, and its children.
 STRUCTURE = {
     'policy': ({'version'}, set(), {'enclaves'}),
@@ -78,7 +79,8 @@ def test_it_allows_exactly_what_a_node_has(node, lone_client):
     found = allowed(policy(NAMESPACE, NAME), NODE, NAME)
     # Those of cameras, of which there is none here.
     found['publish'] -= {f'{NODE}/cameras/*', '/tf', '/tf_static'}
-    found['subscribe'].discard(f'{NODE}/obstacles/octomap')  # its messages are no part of ours
+    # Their messages are no part of ours.
+    found['subscribe'] -= {f'{NODE}/obstacles/octomap', *MOVEIT}
     if importlib.util.find_spec('tf2_msgs') is None:
         found['subscribe'] -= {'/tf', '/tf_static'}
 

@@ -11,10 +11,12 @@ from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.allowed_collisions import AllowedCollisions
 from drake_geom_ros.live.conversions.collision_objects import (
     attached_from_message,
     request_from_message,
 )
+from drake_geom_ros.live.conversions.planning_scene import scene_from_message
 from drake_geom_ros.live.scene.changes.world_change import (
     SceneChangedError,
     adds_shapes,
@@ -33,8 +35,10 @@ class PlanningSceneInput:
     RuntimeError to refuse a message, naming the object and the reason; nothing has changed then.
     """
 
-    def __init__(self, live: LiveScene) -> None:
-        self._live = live
+    def __init__(self, live: LiveScene, changed: Callable[[], object] = lambda: None) -> None:
+        """Take messages into ``live``; ``changed`` is called after each that changed it."""
+        self._live, self._changed = live, changed
+        self._matrix: AllowedCollisions | None = None
 
     def take_object(self, message: Any) -> str:
         """Take a CollisionObject."""
@@ -46,17 +50,24 @@ class PlanningSceneInput:
         request = attached_from_message(message)
         return self._change(lambda world: world.take_attached(request))
 
+    def take_scene(self, message: Any) -> str:
+        """Take a PlanningScene, full or a diff."""
+        request = scene_from_message(message)
+        return self._change(lambda world: world.take_scene(request))
+
     def _change(self, alter: Callable[[PlanningWorld], None]) -> str:
         """Alter the objects of the scene of now, and return what became of them."""
         for _ in range(_TRIES):
             with self._live.editing() as scene:
-                world = PlanningWorld(scene)
+                world = PlanningWorld(scene, self._matrix)
                 alter(world)
                 change = world_change(scene, world)
             try:
                 self._live.change(change, calls_for_more=adds_shapes(world))
             except SceneChangedError:
                 continue
+            self._matrix = world.matrix
+            self._changed()
             return _in_words(world)
         raise ArgumentError('the scene changes all the time; send the message again')
 

@@ -15,13 +15,15 @@ from drake_geom_ros.geometry import (
     SceneGraphInspector,
     Shape,
 )
+from drake_geom_ros.live.conversions.allowed_collisions import AllowedCollisions
 from drake_geom_ros.live.conversions.collision_objects import (
     AttachedRequest,
     ObjectRequest,
     Operation,
 )
 from drake_geom_ros.live.conversions.moveit_shapes import PlacedShape
-from drake_geom_ros.live.conversions.names import WORLD, shortened
+from drake_geom_ros.live.conversions.names import WORLD, shortened, some_of
+from drake_geom_ros.live.conversions.planning_scene import SceneRequest
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.math import RigidTransform
@@ -66,25 +68,62 @@ class WorldObject:
 class PlanningWorld:
     """The objects of a scene after some requests; the scene itself stays as it is.
 
+    ``matrix`` are the collisions that MoveIt allows, None where it never said.
     ``objects`` are by id, ``notes`` what was not read, or read otherwise, in words. A request that
     is refused raises ArgumentError, which names the object; the world is of no use then.
     """
 
-    def __init__(self, scene: HeldScene) -> None:
+    def __init__(self, scene: HeldScene, matrix: AllowedCollisions | None = None) -> None:
         self._scene = scene
         self.before = objects_of(scene)
         self.objects = dict(self.before)
+        self.matrix = self.matrix_before = matrix
         self.notes: list[str] = []
 
-    def clear(self) -> None:
-        """Remove all objects, attached ones included, as a full planning scene begins."""
-        self.objects = {}
+    def take_scene(self, request: SceneRequest) -> None:
+        """Do what a PlanningScene asks for: attached objects first, then the world, as MoveIt."""
+        self.notes += request.notes
+        if request.clears_attached:
+            self.objects = {k: each for k, each in self.objects.items() if each.link is None}
+        if request.clears_world:
+            self.objects = {k: each for k, each in self.objects.items() if each.link is not None}
+        if request.matrix is not None:
+            self.matrix = request.matrix
+        for attached in request.attached:
+            self.take_attached(attached)
+        for each in request.objects:
+            self.take(each)
+        if request.matrix is not None:
+            self._note_strangers(request.matrix)
 
-    def detach_all(self) -> None:
-        """Put all attached objects back into the world."""
-        for name, each in self.objects.items():
-            if each.link is not None:
-                self._detach(name)
+    def links(self) -> dict[str, FrameId]:
+        """Return the frames that names of the matrix stand for, without objects.
+
+        A default is about all links of robots, which are added where the matrix has one.
+        """
+        if self.matrix is None:
+            return {}
+        model = self._scene.model
+        robots, labels = model.robot_names(), model.names.labels
+        wanted = set(self.matrix.names()).difference(self.objects)
+        if self.matrix.defaults:
+            wanted |= {name for source, name in labels.values() if source in robots}
+        links = {name: self._link_called(name) for name in sorted(wanted)}
+        return {name: frame for name, frame in links.items() if frame is not None}
+
+    def _link_called(self, name: str) -> FrameId | None:
+        names = self._scene.model.names
+        frames = [f for f in names.frames_called(name) if names.labels[f][0] != SOURCE]
+        return frames[0] if len(frames) == 1 else None
+
+    def _note_strangers(self, matrix: AllowedCollisions) -> None:
+        known = self.objects.keys() | self.links().keys()
+        strangers = [name for name in matrix.names() if name not in known]
+        if strangers:
+            self.notes.append(
+                f'allowed_collision_matrix: {some_of(strangers)} is no frame, or several, of the '
+                'scene; what it allows counts for objects that come later'
+            )
 
     def take(self, request: ObjectRequest) -> None:
         """Do what a CollisionObject asks for."""
@@ -164,6 +203,8 @@ class PlanningWorld:
     def _remove(self, name: str) -> None:
         """Remove one object of the world, or all with an empty name; attached ones stay."""
         if not name:
+            for each in [k for k, state in self.objects.items() if state.link is None]:
+                self._forget(each)
             self.objects = {k: each for k, each in self.objects.items() if each.link is not None}
             return
         present = self.objects.get(name)
@@ -176,6 +217,11 @@ class PlanningWorld:
             )
             return
         del self.objects[name]
+        self._forget(name)
+
+    def _forget(self, name: str) -> None:
+        if self.matrix is not None and name in self.matrix.entry_names:
+            self.matrix = self.matrix.without(name)
 
     def _detach_asked(self, request: AttachedRequest) -> None:
         """Put attached objects back into the world: one, those of a link, or all."""

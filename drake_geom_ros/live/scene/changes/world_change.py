@@ -33,6 +33,7 @@ from drake_geom_ros.live.scene.world_objects import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import LoadedScene
 
+_ALLOWED = f'{SOURCE}: allowed_collision_matrix'  # the owner of its filter
 _MANY = 100  # geometries of a filter that takes longer than a cycle may wait
 
 
@@ -52,6 +53,7 @@ class _Made:
     attached: dict[FrameId, str] = field(default_factory=dict)  # ids of objects
     ended: list[FilterId] = field(default_factory=list)
     filters: dict[FrameId, FilterId] = field(default_factory=dict)
+    allowed: FilterId | None = None  # of the matrix
 
 
 def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, None]:
@@ -65,6 +67,8 @@ def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, No
     frames = [each.frame for each in world.before.values() if each.frame is not None]
     active = {f: scene.filters.touch_links.filter_of(f) for f in frames}
     filters = {f: filter_id for f, filter_id in active.items() if filter_id is not None}
+    owners, links = scene.filters.owners(), world.links()
+    matrix_filters = [FilterId(number) for number, owner in owners.items() if owner == _ALLOWED]
 
     def first(scene: HeldScene) -> None:
         if scene.model.model_version != version:
@@ -72,8 +76,14 @@ def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, No
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Made:
         if context is None:  # a refusal is to come before anything is removed
-            _Edit(graph, graph.CreateDefaultContext(), sources.get(SOURCE), filters).run(world)
-        return _Edit(graph, context, sources.get(SOURCE), filters).run(world)
+            run(graph, graph.CreateDefaultContext())
+        return run(graph, context)
+
+    def run(graph: SceneGraph, context: SceneGraphContext | None) -> _Made:
+        edit = _Edit(graph, context, sources.get(SOURCE), filters)
+        made = edit.run(world)
+        edit.allow(world, links, matrix_filters)
+        return made
 
     def then(scene: HeldScene, made: _Made) -> None:
         _settle(scene, made, world)
@@ -100,6 +110,7 @@ class _Edit:
         self._source = source
         self._made = _Made()
         self._on_link: dict[FrameId, list[FrameId]] = {}
+        self._has_new_shapes = False
 
     def run(self, world: PlanningWorld) -> _Made:
         made, before = self._made, world.before
@@ -121,6 +132,27 @@ class _Edit:
         if self._context is not None:
             self._context.UpdateFramePoses(FramePoseVector(made.X_PFs))
         return made
+
+    def allow(
+        self, world: PlanningWorld, links: Mapping[str, FrameId], old: Iterable[FilterId]
+    ) -> None:
+        """Exclude the pairs that the matrix allows, in the place of those of before."""
+        matrix = world.matrix
+        if matrix is None or (matrix is world.matrix_before and not self._has_new_shapes):
+            return
+        manager = self._graph.collision_filter_manager(self._context)
+        self._made.ended += manager.RemoveDeclarations(old)
+        frames = dict(links)
+        for name, each in world.objects.items():
+            frame = each.frame or self._made.new[SOURCE, name]
+            frames[name] = frame
+        declaration, is_empty = CollisionFilterDeclaration(), True
+        for name, partners in matrix.partners(frames).items():
+            others = GeometrySet(frame_ids=[frames[each] for each in partners])
+            declaration.ExcludeBetween(GeometrySet(frame_ids=[frames[name]]), others)
+            is_empty = False
+        if not is_empty:
+            self._made.allowed = manager.ApplyTransient(declaration)
 
     def _own(self) -> SourceId:
         if self._source is None:
@@ -210,6 +242,7 @@ class _Edit:
         return frame
 
     def _register_geometry(self, frame: FrameId, shape: ObjectShape) -> None:
+        self._has_new_shapes = True
         properties = ProximityProperties()
         if shape.is_solid:
             properties.AddProperty('mesh', 'solid', True)
@@ -243,6 +276,8 @@ def _settle(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
 
 def _note_filters(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
     touch_links, names = scene.filters.touch_links, scene.model.names
+    if made.allowed is not None:
+        scene.filters.begin(made.allowed, _ALLOWED, 0.0, is_short=False)
     for frame in made.detached:
         touch_links.end(frame)
     for frame, name in made.attached.items():
