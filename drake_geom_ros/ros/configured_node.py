@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 from drake_geom_msgs import msg as messages
 from rclpy.lifecycle import LifecycleNode
@@ -31,10 +32,12 @@ from drake_geom_ros.live.outputs.scene_topic import SceneTopic
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import NamedSource
+from drake_geom_ros.live.services.state_validity import check_state_validity
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.joint_listening import JointListening
+from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
 from drake_geom_ros.ros.outputs import cameras
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
@@ -144,6 +147,8 @@ class ConfiguredNode:
         self._open_inputs(settings.values, publishers['~/point_distances'])
         self._listen(settings.values, obstacle_sources)
         self._open_services(calls(settings.values.service_depth))
+        if settings.values.use_planning_scene:
+            self._open_state_validity(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
         self._set_rate(settings.values.rate)
@@ -259,6 +264,19 @@ class ConfiguredNode:
             for name, kind, handler in services:
                 serve = partial(self._guard.answer, handler, self.live)
                 self._surface.service(kind, f'~/{name}', serve, profile, group)
+
+    def _open_state_validity(self, profile: QoSProfile) -> None:
+        """Open the service of MoveIt's type, whose answer has no reason: that is logged."""
+        kind = message_class('moveit_msgs/srv/GetStateValidity')
+        new_contact = message_class('moveit_msgs/msg/ContactInformation')
+        handler = partial(check_state_validity, self.live, new_contact)
+
+        def serve(request: Any, response: Any) -> Any:
+            self._guard.take('check_state_validity', handler, request, response)
+            return response
+
+        name, group = '~/check_state_validity', self._groups.planning
+        self._surface.service(kind, name, serve, profile, group)
 
     def _set_rate(self, rate: float) -> None:
         """Run cycles by a timer, or for rate 0 with each pose message."""

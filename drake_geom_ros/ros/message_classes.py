@@ -7,9 +7,9 @@ from typing import Any
 
 
 def message_class(kind: str) -> Any:
-    """Return the class of a message type, ``package/msg/Type``.
+    """Return the class of a type, ``package/msg/Type`` or ``package/srv/Type``.
 
     Raises ImportError where its package is not installed, AttributeError where that lacks it.
     """
-    package, _, name = kind.split('/')
-    return getattr(import_module(f'{package}.msg'), name)
+    package, folder, name = kind.split('/')
+    return getattr(import_module(f'{package}.{folder}'), name)

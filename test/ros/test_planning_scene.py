@@ -93,6 +93,13 @@ def test_objects_come_are_attached_and_go(node, lone_client, moveit):
     attached.publish(messages.AttachedCollisionObject(link_name='hand', object=bare))
     client.wait_for(lambda: results and not len(results[-1].distance), 'hand and ball to touch')
 
+    valid = pytest.importorskip('moveit_msgs.srv').GetStateValidity
+    assert client.call(valid, 'check_state_validity').valid
+    typo = messages.RobotState()
+    typo.joint_state.name, typo.joint_state.position = ['elbow'], [0.0]
+    assert not client.call(valid, 'check_state_validity', robot_state=typo).valid
+    assert "no joint 'elbow'" in node.output()
+
     wrong = message(messages.CollisionObject.MOVE)
     objects.publish(wrong)
 
