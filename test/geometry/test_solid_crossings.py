@@ -66,16 +66,22 @@ def two_bodies(rng, n, step, scale):
 
 
 def relation(filled, lines):
-    """Whether two bodies of cells overlap, and whether they have part of a face in common."""
+    """Whether two bodies of cells overlap, and whether they have part of a face in common.
+
+    Faces that differ by the rounding of thirds lie on one another.
+    """
     overlap = flush = False
     for i, j in itertools.product(*(np.argwhere(cells) for cells in filled)):
         at = np.arange(3)
         low = np.maximum(lines[0][at, i], lines[1][at, j])
         high = np.minimum(lines[0][at, i + 1], lines[1][at, j + 1])
-        overlap |= bool((low < high).all())
-        flush |= bool((low <= high).all() and (low == high).sum() == 1)
+        depths = high - low
+        overlap |= bool((depths > ROUNDED).all())
+        flush |= bool((depths >= -ROUNDED).all() and (np.abs(depths) <= ROUNDED).sum() == 1)
     return overlap, flush
 
+
+ROUNDED = 1e-14  # of sums of thirds
 
 # Along edges and faces of both, in the middle of them, and nowhere in particular.
 STEPS = (0.0, 1.0, 0.5, 0.25, 0.3)

@@ -72,6 +72,8 @@ def touched_geometries(
     may be a group of a robot's SRDF, ``group`` or ``robot::group``. Raises ArgumentError for one
     that stands for nothing.
     """
+    if not patterns:
+        return ()  # it takes a look at each geometry to find what names stand for
     inspector = model.inspector
     named = {
         geometry: geometry_names(inspector, geometry)._replace(carriers=()).found_by

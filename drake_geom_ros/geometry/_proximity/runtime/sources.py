@@ -25,6 +25,7 @@ UNCOMPILED = frozenset(
         'filters/state.py',
         'kernels/shapes/hull_packing.py',
         'kernels/solids/packing.py',
+        'motion/joint_path.py',
         'motion/motion_loops.py',
         'motion/tree.py',
         'pairs/budget.py',

@@ -51,7 +51,7 @@ def attachment(
     X_now = X_PF or scene.poses.pose_in(frame, parent)
     before = scene.filters.touch_links.filter_of(frame)
     owner = f'attach {names.frame_names[frame]}'
-    carried = carried_frames(inspector, frame)
+    carried = carried_frames(inspector, frame) if touching else []
     may_touch = tuple(sorted(names.geometry_names[each] for each in touching))
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Attached:
