@@ -22,7 +22,12 @@ LEFT_OUT = shutil.ignore_patterns('.*', 'build', 'install', 'log', 'out', '__pyc
 PINS = [part for name in ('core', 'lock') for part in ('-c', ROOT / f'requirements/{name}.txt')]
 SHARE = 'share/drake_geom_ros'
 # What an import is called where it is installed.
-PEERS = {'jsonschema_rs': 'jsonschema-rs', 'pydrake': 'drake', 'vtkmodules': 'vtk'}
+PEERS = {
+    'jsonschema_rs': 'jsonschema-rs',
+    'nrrd': 'pynrrd',
+    'pydrake': 'drake',
+    'vtkmodules': 'vtk',
+}
 # What python3-NAME is on the system of Jazzy and Kilted. A script of colcon may refuse to start
 # where a version that is there is out of the range that setup.py says.
 UBUNTU_24_04 = {

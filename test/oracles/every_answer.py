@@ -43,6 +43,8 @@ def digest_of(results: Any) -> str:
     """Return a name for the bits of all arrays and numbers of results, but for ids."""
     digest = hashlib.sha256()
     for name in sorted(each for each in dir(results) if not each.startswith('_')):
+        if name.startswith('name_') or name == 'columns':
+            continue  # names of geometries are those of one scene
         value = getattr(results, name)
         if isinstance(value, np.ndarray) and name not in _OF_THIS_PROCESS:
             digest.update(f'{name} {value.dtype} {value.shape}'.encode())
