@@ -23,8 +23,10 @@ from drake_geom_ros.live.conversions.scene import role_from_number
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
 from drake_geom_ros.live.scene.changes.removal import removal
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.touch_links import touched_geometries
+from drake_geom_ros.live.scene.world_objects import SOURCE as PLANNING_SCENE
 from drake_geom_ros.math import RigidTransform
 
 
@@ -102,6 +104,7 @@ def attach(live: LiveScene, request: Any, response: Any) -> None:
             )
         for each in (frame, parent):
             scene.maps.refuse(scene.model.inspector.GetOwningSourceId(each))
+        _refuse_planning_scene(scene, frame)
         touching = touched_geometries(scene.model, frame, request.touch_links)
         change = attachment(
             scene, frame, parent, X_PF, is_part=request.part_of_robot, touching=touching
@@ -118,8 +121,18 @@ def detach(live: LiveScene, request: Any, response: Any) -> None:
     with live.editing() as scene:
         frame = scene.model.names.frame(request.frame)
         scene.maps.refuse(scene.model.inspector.GetOwningSourceId(frame))
+        _refuse_planning_scene(scene, frame)
         change = detachment(scene, frame, X_PF)
     fill_pose(response.pose, live.change(change))
+
+
+def _refuse_planning_scene(scene: HeldScene, frame: FrameId) -> None:
+    """Raise ArgumentError for an object of MoveIt's, whose filters follow MoveIt's messages."""
+    if scene.model.inspector.GetOwningSourceName(frame) == PLANNING_SCENE:
+        raise ArgumentError(
+            f'{scene.model.names.frame_names[frame]} is an object of the planning scene: attach '
+            'and detach it by /attached_collision_object'
+        )
 
 
 def _given_pose(request: Any) -> RigidTransform | None:

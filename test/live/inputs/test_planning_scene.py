@@ -1,10 +1,11 @@
 """MoveIt's objects in a live scene, without ROS: what they do, whole messages or nothing."""
 
 from itertools import combinations
+from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from live.live_scenes import Clock, live_scene
 from live.moveit_messages import (
@@ -24,6 +25,7 @@ from live.moveit_messages import (
 from drake_geom_ros.geometry import GeometryId
 from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
 from drake_geom_ros.live.scene.changes.attachment import attachment
+from drake_geom_ros.live.services import scene
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
@@ -209,6 +211,16 @@ def test_attached_objects_of_one_link_do_not_collide_with_each_other(live, movei
         moveit.take_attached(attached_object(link, box(name)))
     assert frozenset(['a/sphere_0', 'b/sphere_0']) not in pairs(live)
     assert frozenset(['a/sphere_0', 'c/sphere_0']) in pairs(live)
+
+
+@pytest.mark.parametrize('service', ['attach', 'detach'])
+def test_the_services_leave_objects_to_the_messages(live, moveit, service):
+    moveit.take_attached(attached_object('hand', box('a')))
+    request = Plain(frame='a', parent='base', pose_given=False, touch_links=[], part_of_robot=True)
+    before = state(live)
+    with pytest.raises(RuntimeError, match='is an object of the planning scene'):
+        getattr(scene, service)(live, request, Plain(pose=pose()))
+    assert state(live) == before
 
 
 def test_append_adds_to_an_attached_object_and_keeps_what_it_may_touch(live, moveit):
@@ -410,6 +422,7 @@ steps = st.lists(
 
 @settings(max_examples=60, deadline=None)
 @given(steps)
+@example([('attach', 'a', 0, 0.0), ('attach', 'b', 0, 0.0), ('detach', 'a', 0, 0.0)])
 def test_any_order_of_messages_does_as_the_model(all_steps):
     live = live_scene(ARM, Clock())
     first, moveit, model = state(live), PlanningSceneInput(live), Model()

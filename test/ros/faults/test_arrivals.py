@@ -10,13 +10,14 @@ as often; nothing else does. A topic or a service without an entry fails the tes
 import array
 import os
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from drake_geom_msgs import msg, srv
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Point, Pose, TransformStamped
 from ros.harness import LATCHED, Process
 from ros.scene_calls import accepted, exclude, place_of, poses
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2, PointField
@@ -74,6 +75,7 @@ def bodies(source, height=0.0, count=COUNT):
 @pytest.fixture(scope='module')
 def node(tmp_path_factory):
     pytest.importorskip('octomap_msgs')
+    pytest.importorskip('moveit_msgs')
     folder = tmp_path_factory.mktemp('arrivals')
     (folder / 'arm.urdf').write_text(ARM.format(name='arm'))
     (folder / 'scene.yaml').write_text(SCENE + bodies('much') + RULE)
@@ -85,6 +87,7 @@ def node(tmp_path_factory):
         'closing_speeds': 'true',
         'obstacles': '[octomap, points, depth]',
         'obstacle_self_filter': 'none',
+        'use_planning_scene': 'true',
     }
     arguments = ['--ros-args', '-r', '__ns:=/counted']
     for name, value in parameters.items():
@@ -301,8 +304,60 @@ def tracked(site):
     site.until(send, came, 'a tracked body')
 
 
-# A cycle after a change by these looks at each geometry: docs/reliability.md says so.
-PLANNING_SCENE = {'/collision_object', '/attached_collision_object', '/planning_scene'}
+def planning_object(name, x):
+    """Return a ball of MoveIt's, somewhere far away."""
+    from moveit_msgs.msg import CollisionObject
+    from shape_msgs.msg import SolidPrimitive
+
+    ball = CollisionObject(id=name, operation=CollisionObject.ADD)
+    ball.primitives = [SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[0.05])]
+    ball.primitive_poses = [Pose(position=Point(x=x, y=-30.0))]
+    ball.header.frame_id = 'world'
+    return ball
+
+
+def has_frame(site, name):
+    return site.client.call(srv.GetPose, 'get_pose', frame=name).success
+
+
+def collision_object(site):
+    ball = planning_object('thing', -30.0)
+    publisher = site.publisher(type(ball), '/collision_object')
+    came = partial(has_frame, site, 'planning_scene::thing')
+    site.until(lambda: publisher.publish(ball), came, 'an object')
+
+
+def attached_collision_object(site):
+    """Attach the object, and take it back with the filter of what it may touch."""
+    from moveit_msgs.msg import AttachedCollisionObject, CollisionObject
+
+    message = AttachedCollisionObject(link_name='arm::l2')
+    message.object.id, message.object.operation = 'thing', CollisionObject.ADD
+    publisher = site.publisher(AttachedCollisionObject, '/attached_collision_object')
+
+    def is_attached(wanted):
+        return bool(site.call('get_filters').active_filter_ids) == wanted
+
+    site.until(lambda: publisher.publish(message), lambda: is_attached(True), 'an attachment')
+    message.object.operation = CollisionObject.REMOVE
+    site.until(lambda: publisher.publish(message), lambda: is_attached(False), 'its end')
+
+
+def planning_scene(site):
+    """Take a scene, and remove all objects."""
+    from moveit_msgs.msg import CollisionObject, PlanningScene
+
+    message = PlanningScene(is_diff=True)
+    message.robot_state.is_diff = True
+    message.world.collision_objects = [planning_object('other', -31.0)]
+    publisher = site.publisher(PlanningScene, '/planning_scene')
+    came = partial(has_frame, site, 'planning_scene::other')
+    site.until(lambda: publisher.publish(message), came, 'a planning scene')
+    everything = CollisionObject(operation=CollisionObject.REMOVE)
+    remove = site.publisher(CollisionObject, '/collision_object')
+    site.until(lambda: remove.publish(everything), lambda: not came(), 'an empty world')
+
+
 TOPICS = {
     '~/frame_poses': Site.cycle,
     '~/frame_twists': twists,
@@ -311,6 +366,9 @@ TOPICS = {
     '{robot_description_semantic_topic}': semantics,
     'joint_states': joint_states,
     '~/tracked_objects': tracked,
+    '/collision_object': collision_object,
+    '/attached_collision_object': attached_collision_object,
+    '/planning_scene': planning_scene,
     '/tf': lambda site: transform(site, '/tf', 10),
     '/tf_static': lambda site: transform(site, '/tf_static', LATCHED),
     '~/obstacles/octomap': octomap,
@@ -448,8 +506,7 @@ def site(node, lone_client):
 
 
 def test_every_topic_and_every_service_has_an_entry():
-    inputs = {row.topic for row in topics.INPUTS} - PLANNING_SCENE
-    assert set(TOPICS) == inputs | set(SENSED)
+    assert set(TOPICS) == {row.topic for row in topics.INPUTS} | set(SENSED)
     assert set(CALLS) == {name for name, _, _ in SERVICES}
 
 

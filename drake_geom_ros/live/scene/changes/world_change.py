@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
+    CollisionFilterManager,
     FilterId,
     FrameId,
     FramePoseVector,
@@ -125,12 +126,14 @@ class _Edit:
         gone = {s.geometry for old in before.values() for s in old.shapes} - {
             s.geometry for each in world.objects.values() for s in each.shapes
         }
+        self._renew_filters_beside_detached(world)
         for frame, name in made.attached.items():
             self._let_touch(frame, world.objects[name], gone)
         new = {f: made.X_PFs[f] for f in made.new.values() if f not in made.attached}
         self._graph.SetFirstPoses(context=self._context, poses=FramePoseVector(new))
         if self._context is not None:
             self._context.UpdateFramePoses(FramePoseVector(made.X_PFs))
+            _weld(self._graph.collision_filter_manager(self._context), made.in_world)
         return made
 
     def allow(
@@ -207,13 +210,35 @@ class _Edit:
             self._graph.DetachFrame(context=context, source_id=own, frame_id=frame, X_PF=each.X_PO)
             made.detached.add(frame)
         made.X_PFs[frame] = each.X_PO
-        manager = self._graph.collision_filter_manager(context)
+        self._end_filter(frame)
+        if each.link is None:
+            self._graph.collision_filter_manager(context).WeldToWorld([frame])
+            made.in_world.append(frame)
+
+    def _end_filter(self, frame: FrameId) -> None:
+        """Remove the filter of what an attached object may touch, if there is one."""
+        manager = self._graph.collision_filter_manager(self._context)
         ended = self._filters.get(frame)
         if ended is not None and manager.RemoveDeclaration(ended):
-            made.ended.append(ended)
-        if each.link is None:
-            manager.WeldToWorld([frame])
-            made.in_world.append(frame)
+            self._made.ended.append(ended)
+
+    def _renew_filters_beside_detached(self, world: PlanningWorld) -> None:
+        """Have objects get new filters where one that hung on the same link does so no more.
+
+        Their filters exclude the pairs with all that hung there.
+        """
+        left = {
+            old.link
+            for name, old in world.before.items()
+            if name in world.objects and world.objects[name].link != old.link
+        }
+        for name, each in world.objects.items():
+            frame = each.frame
+            if frame is None or each.link is None or frame in self._made.attached:
+                continue
+            if each.link in left:
+                self._end_filter(frame)
+                self._made.attached[frame] = name
 
     def _let_touch(
         self, frame: FrameId, each: WorldObject, gone: Iterable[GeometryId | None]
@@ -253,6 +278,15 @@ class _Edit:
         )
 
 
+def _weld(manager: CollisionFilterManager, frames: Iterable[FrameId]) -> None:
+    """Weld frames of objects at rest, whose welds a pose elsewhere has ended.
+
+    Those that are welded stay as they are: a change of welds has all pairs looked at again.
+    """
+    welded = set(manager.welded_frames())
+    manager.WeldToWorld([frame for frame in frames if frame not in welded])
+
+
 def _settle(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
     """Know of poses, welds and filters what belongs to a change that was made."""
     scene.poses.forget(made.removed)
@@ -267,8 +301,7 @@ def _settle(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
             scene.poses.move_again_from(frame, X_PF, ALWAYS)
         elif frame not in new:
             scene.poses.rest_at(frame, X_PF)
-    # A pose elsewhere ends a weld: what was moved is at rest again.
-    scene.model.filter_manager.WeldToWorld(made.in_world)
+    _weld(scene.model.filter_manager, made.in_world)
     for filter_id in made.ended:
         scene.filters.end(filter_id)
     _note_filters(scene, made, world)
