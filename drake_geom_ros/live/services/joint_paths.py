@@ -9,7 +9,6 @@ import numpy as np
 
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.conversions.names import some_of
@@ -31,12 +30,6 @@ class TimedPath(NamedTuple):
     rows: Floats
     times: Floats
     spline: JointSpline | None = None
-
-    def time_of(self, place: float, towards: float | None = None) -> float:
-        """Return the time [s] of a place by rows, rounded as by ``time_between``."""
-        edge = min(int(place), len(self.times) - 2)
-        begin, end = self.times[edge : edge + 2].tolist()
-        return time_between(begin, end, place - edge, towards)
 
     def speeds(self) -> Floats:
         """Return an upper bound (q,) of the speed of each joint [rad/s] or [m/s]."""

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drake_geom_ros.batch.joint_trajectories import in_seconds
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, MotionCheck
@@ -60,7 +61,7 @@ def check_motion(live: LiveScene, request: Any, response: Any) -> None:
             'frames that move, path the joints: give one of them'
         )
     view, check, way = (_along_path if by_joints else _to_poses)(live, request)
-    _fill(response, check, view, None if way is None else way.path)
+    _fill(response, check, view)
     view.beside.fill(response)
     response.scene_version = view.moment.version
     response.oldest_pose_age = view.moment.oldest_pose_age
@@ -135,6 +136,7 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
             check = checker.check(path.rows)
         else:
             check = checker.check_spline(path.spline)
+    check = in_seconds(check, path.times)
     is_begun_now = len(path.rows) > len(trajectory.points)
     return view, check, JointWay(path, joints, begin, is_begun_now, foreign)
 
@@ -173,15 +175,11 @@ def _fill_way(response: Any, way: JointWay) -> None:
     response.message = '; '.join(filter(None, (response.message, note)))
 
 
-def _fill(response: Any, check: MotionCheck, view: SceneView, path: TimedPath | None) -> None:
-    """Fill an answer with what is true of a motion, times by a path's where it has any."""
-    times, time = check.times, check.time
-    if path is not None:
-        times = path.time_of(times[0], -math.inf), path.time_of(times[1], math.inf)
-        time = path.time_of(time)
+def _fill(response: Any, check: MotionCheck, view: SceneView) -> None:
+    """Fill an answer with what is true of a motion."""
     response.outcome = OUTCOMES[check.outcome]
-    response.times[:] = times
-    response.last_free, response.time = times[0], time
+    response.times[:] = check.times
+    response.last_free, response.time = check.times[0], check.time
     if check.id_A is not None and check.id_B is not None:
         names = view.names
         response.geometry_a, response.geometry_b = (
