@@ -30,7 +30,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
     taker,
 )
 from drake_geom_ros.geometry._proximity.runtime.views import part, row, table
-from drake_geom_ros.geometry._proximity.states.groups import Groups, collect, put_boxes
+from drake_geom_ros.geometry._proximity.states.groups import collect, put_boxes
 from drake_geom_ros.geometry._proximity.states.joint_checks import (
     FREE,
     GAP,
@@ -38,12 +38,13 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
     NO_POSE,
     NO_STATE,
     CheckArrays,
+    groups_of_check,
     least_of_state,
     limits_verdict,
+    put_links,
 )
 from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
-from drake_geom_ros.geometry._proximity.world.joint_poses import pose_links
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -59,7 +60,7 @@ class GradientArrays(NamedTuple):
     near: IndexPairs  # (K, 2) the pairs that may be within the cutoff
     hits: Integers  # (K,) places in ``near``
     memory: Rows  # (K, SLOT_WIDTH)
-    # Of the h hits.
+    # The h hits.
     numbers: Integers  # (K,) of the pairs, ascending
     ids: IndexPairs  # (K, 2)
     places: IndexPairs  # (K, 2)
@@ -78,19 +79,7 @@ def _pose(checks: CheckArrays, q: Floats) -> int:
     """Pose the links and the world by joint values (c,); return NEAR, NO_STATE or NO_POSE."""
     if limits_verdict(q, checks.lower, checks.upper) == NO_STATE:
         return NO_STATE
-    chain = (
-        checks.leaders,
-        checks.multipliers,
-        checks.offsets,
-        checks.kinds,
-        checks.axes,
-        checks.X_PJs,
-        checks.parents,
-        checks.children,
-        checks.X_WLs,
-        checks.links,
-    )
-    pose_links(table(q, 0, 1, q.size), chain, 0, checks.poses)
+    put_links(checks, q)
     world: Handle = checks.world
     if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, world):
         return NO_POSE
@@ -137,16 +126,7 @@ def _sort(order: Indices, count: int, is_collected: Flags) -> None:
 @inlined
 def _hits(arrays: GradientArrays, checks: CheckArrays, world: WorldArrays, cutoff: float) -> int:
     """Answer for the pairs of a posed world within a cutoff [m]; return the number of hits."""
-    groups = Groups(
-        checks.firsts,
-        checks.members,
-        checks.group_pairs,
-        checks.starts,
-        checks.numbers,
-        checks.centres,
-        checks.halves,
-        checks.separations,
-    )
+    groups = groups_of_check(checks)
     put_boxes(groups, world)
     everything = (0, groups.separations.size, -1)
     order = checks.order

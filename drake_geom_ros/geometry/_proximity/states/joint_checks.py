@@ -123,7 +123,7 @@ _checks_of = taker(CheckArrays)
 
 
 @inlined
-def _put_links(checks: CheckArrays, q: Floats) -> None:
+def put_links(checks: CheckArrays, q: Floats) -> None:
     """Write the poses of those links that are frames, by joint values (c,), to ``poses``."""
     chain = (
         checks.leaders,
@@ -141,7 +141,8 @@ def _put_links(checks: CheckArrays, q: Floats) -> None:
 
 
 @inlined
-def _groups_of(checks: CheckArrays) -> Groups:
+def groups_of_check(checks: CheckArrays) -> Groups:
+    """Return the groups of the pairs of a check."""
     return Groups(
         checks.firsts,
         checks.members,
@@ -228,11 +229,11 @@ def _verdict(checks: CheckArrays, q: Floats) -> int:
     verdict = limits_verdict(q, checks.lower, checks.upper)
     if verdict != FREE:
         return verdict
-    _put_links(checks, q)
+    put_links(checks, q)
     posed: Handle = checks.world
     if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, posed):
         return NO_POSE
-    world, groups = world_of(checks.world), _groups_of(checks)
+    world, groups = world_of(checks.world), groups_of_check(checks)
     gap, overlaps = checks.parameters[GAP], checks.parameters[OVERLAPS] > 0.0
     for m in range(checks.movers.size):
         put_box(groups, world, checks.movers[m])
@@ -278,7 +279,7 @@ def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, i
     checks, q = _checks_of(handle), states[0]
     if limits_verdict(q, checks.lower, checks.upper) == NO_STATE:
         return NO_STATE, 0.0, 0.0, 0, 0
-    _put_links(checks, q)
+    put_links(checks, q)
     groups = (
         checks.firsts,
         checks.members,
