@@ -14,7 +14,7 @@ from drake_geom_ros.geometry import ArgumentError, GeometryId
 from drake_geom_ros.geometry.queries.joint_gradients import NearDistances
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
-# Of geometries, by GeometryId or their values (k, 2).
+# Pairs (k, 2) of geometries, by GeometryId or their values.
 Pairs: TypeAlias = Sequence[Sequence[Any]] | ArrayLike
 
 _LARGEST_BLOCK = 256  # states of one task

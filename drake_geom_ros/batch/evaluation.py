@@ -47,7 +47,7 @@ Progress = Callable[[int, int], None]  # number of states done, and of all
 _SECONDS = 1.0  # between two lines of progress
 
 
-# What comes back depends on ``want``, which editors then complete.
+# The type of the result depends on ``want``, so that editors complete its fields.
 @overload
 def evaluate(
     scene_graph: SceneGraph | SceneGraphContext,

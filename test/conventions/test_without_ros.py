@@ -56,7 +56,7 @@ def test_ros_does_raise_there():
 
 
 def test_every_module_of_the_core_imports():
-    # What draws by VTK, or calls CasADi, is imported where that is there.
+    # Modules that draw by VTK or call CasADi are imported only where these are installed.
     rooms = {'vtkmodules': '.render.vtk.', 'casadi': '.casadi_callback'}
     left_out = [room for library, room in rooms.items() if find_spec(library) is None]
     modules = [

@@ -49,7 +49,7 @@ class TrackedObjectsReader:
 
     def __init__(self) -> None:
         self._shapes: dict[tuple[Any, ...], Shape] = {}
-        # What a message was read from, and its shapes: see ``serialized_tracked``.
+        # The source of the message and its shapes: see ``serialized_tracked``.
         self._last: tuple[Any, tuple[Shape, ...]] = ((), ())
 
     def read(self, message: Any, files: FileAccess) -> Bodies:

@@ -17,8 +17,8 @@ _STRIDE = 0.25  # [m] of a ray at once at most; bodies farther away are not look
 _FINEST = 0.002  # [m] nearness to a body at which a ray counts as blocked, at least
 _MOST_STEPS = 100  # of a ray; one that is not through by then counts as blocked
 
-# Of points (n, 3) [m] within a threshold [m] of bodies: rows of points, rows of bodies, lower
-# bounds of the distances [m].
+# Returns, for points (n, 3) [m] within a threshold [m] of bodies, the rows of the points and of
+# the bodies, and lower bounds of the distances [m].
 Distances = Callable[[Floats, float], Iterator[tuple[Indices, Indices, Floats]]]
 
 
