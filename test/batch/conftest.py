@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.batch import Joints
-from drake_geom_ros.geometry import FramePoseVector, SceneGraph
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FramePoseVector,
+    GeometrySet,
+    SceneGraph,
+)
 from drake_geom_ros.scene_files import load_scene
 
 
@@ -39,3 +44,13 @@ class Cell:
 @pytest.fixture(scope='session')
 def cell():
     return Cell()
+
+
+def cell_off_the_floor():
+    """Return a new cell, in which the arm's base touches the floor and nobody counts it."""
+    cell = Cell()
+    base = GeometrySet(frame_ids=[cell.loaded.frames['arm', 'base']])
+    floor = GeometrySet(geometry_ids=[cell.loaded.geometries['things', 'world', 'floor']])
+    declaration = CollisionFilterDeclaration().ExcludeBetween(base, floor)
+    cell.scene_graph.collision_filter_manager().Apply(declaration)
+    return cell

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from batch.conftest import Cell
+from batch.conftest import cell_off_the_floor
 from batch.test_path_edges import FAR, cart, row
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 from drake_geom_ros.batch import Joints, check_path, check_trajectory, evaluate
 from drake_geom_ros.geometry import (
     ArgumentError,
-    CollisionFilterDeclaration,
-    GeometrySet,
     SceneGraph,
 )
 from drake_geom_ros.scene_files import load_scene
@@ -25,12 +23,7 @@ SCAN = 400  # states a segment
 @pytest.fixture(scope='module')
 def cell():
     """Return the cell, in which the arm's base touches the floor and nobody counts it."""
-    cell = Cell()
-    base = GeometrySet(frame_ids=[cell.loaded.frames['arm', 'base']])
-    floor = GeometrySet(geometry_ids=[cell.loaded.geometries['things', 'world', 'floor']])
-    declaration = CollisionFilterDeclaration().ExcludeBetween(base, floor)
-    cell.scene_graph.collision_filter_manager().Apply(declaration)
-    return cell
+    return cell_off_the_floor()
 
 
 def trajectory_of(cell, seed, kind, points, step):

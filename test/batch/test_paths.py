@@ -5,7 +5,7 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from batch.conftest import Cell
+from batch.conftest import cell_off_the_floor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -26,13 +26,7 @@ SCAN = 200  # states an edge
 @pytest.fixture(scope='module')
 def cell():
     """Return the cell, in which the arm's base touches the floor and nobody counts it."""
-    cell = Cell()
-    frames = cell.loaded.frames
-    base = GeometrySet(frame_ids=[frames['arm', 'base']])
-    floor = GeometrySet(geometry_ids=[cell.loaded.geometries['things', 'world', 'floor']])
-    declaration = CollisionFilterDeclaration().ExcludeBetween(base, floor)
-    cell.scene_graph.collision_filter_manager().Apply(declaration)
-    return cell
+    return cell_off_the_floor()
 
 
 def told(check):
