@@ -55,6 +55,7 @@ from drake_geom_ros.ros.services.table import (
     LOADING,
     MOTIONS,
     PLANNING,
+    STATE_VALIDITY,
 )
 from drake_geom_ros.ros.shown import ShownOutputs
 from drake_geom_ros.ros.surface import (
@@ -272,10 +273,10 @@ class ConfiguredNode:
         handler = partial(check_state_validity, self.live, new_contact)
 
         def serve(request: Any, response: Any) -> Any:
-            self._guard.take('check_state_validity', handler, request, response)
+            self._guard.take(STATE_VALIDITY, handler, request, response)
             return response
 
-        name, group = '~/check_state_validity', self._groups.planning
+        name, group = f'~/{STATE_VALIDITY}', self._groups.planning
         self._surface.service(kind, name, serve, profile, group)
 
     def _set_rate(self, rate: float) -> None:

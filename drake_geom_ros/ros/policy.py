@@ -18,7 +18,14 @@ from xml.etree import ElementTree
 
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.sensing.protocol import SENSORS
-from drake_geom_ros.ros.services.table import BESIDE, IMAGES, MOTIONS, PLANNING, SERVICES
+from drake_geom_ros.ros.services.table import (
+    BESIDE,
+    IMAGES,
+    MOTIONS,
+    PLANNING,
+    SERVICES,
+    STATE_VALIDITY,
+)
 from drake_geom_ros.ros.topics import OUTPUTS
 
 VERSION = '0.2.0'  # of the format
@@ -50,8 +57,10 @@ LIFE_CYCLE = tuple(
         'get_transition_graph',
     )
 )
-QUERIES = tuple(f'~/{name}' for name, _, _ in (*BESIDE, *IMAGES, *PLANNING, *MOTIONS))
-OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES)
+_ASKED = (*(name for name, _, _ in (*BESIDE, *IMAGES, *PLANNING, *MOTIONS)), STATE_VALIDITY)
+QUERIES = tuple(f'~/{name}' for name in _ASKED)
+_SERVED = (*(name for name, _, _ in SERVICES), STATE_VALIDITY)
+OFFERED = (*(f'~/{name}' for name in _SERVED), *LIFE_CYCLE, *OWN_SERVICES)
 
 
 def policy(

@@ -17,6 +17,7 @@ NAMESPACE, NAME = '/cell', 'geometry'
 NODE = f'{NAMESPACE}/{NAME}'
 SENSING = f'{NAME}_sensors'
 MOVEIT = {'/collision_object', '/attached_collision_object', '/planning_scene'}
+HAS_MOVEIT = importlib.util.find_spec('moveit_msgs') is not None
 # Element: its attributes, of which those in brackets may be missing, and its children.
 STRUCTURE = {
     'policy': ({'version'}, set(), {'enclaves'}),
@@ -67,6 +68,7 @@ def node(tmp_path):
         enclave=NODE,
         use_tf=has_tf,
         use_joint_states=True,
+        use_planning_scene=HAS_MOVEIT,
         use_sim_time=True,
         closing_speeds=True,
         obstacles='[points,depth]',
@@ -79,8 +81,11 @@ def test_it_allows_exactly_what_a_node_has(node, lone_client):
     found = allowed(policy(NAMESPACE, NAME), NODE, NAME)
     # Those of cameras, of which there is none here.
     found['publish'] -= {f'{NODE}/cameras/*', '/tf', '/tf_static'}
-    # Their messages are no part of ours.
-    found['subscribe'] -= {f'{NODE}/obstacles/octomap', *MOVEIT}
+    # The messages of OctoMap and MoveIt are no part of ours.
+    found['subscribe'] -= {f'{NODE}/obstacles/octomap'}
+    if not HAS_MOVEIT:
+        found['subscribe'] -= MOVEIT
+        found['reply'] -= {f'{NODE}/check_state_validity'}
     if importlib.util.find_spec('tf2_msgs') is None:
         found['subscribe'] -= {'/tf', '/tf_static'}
 

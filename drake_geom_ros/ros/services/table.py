@@ -132,4 +132,7 @@ MOTIONS: tuple[tuple[str, Any, Handler], ...] = (
     ('check_motion', srv.CheckMotion, motions.check_motion),
 )
 
+# Of MoveIt's type, whose package may be missing: opened with the parameter use_planning_scene.
+STATE_VALIDITY = 'check_state_validity'
+
 SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)
