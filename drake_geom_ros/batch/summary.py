@@ -116,9 +116,12 @@ class Summary:
             raise BatchError(f'a picture takes matplotlib: {error}') from None
         figure = Figure(figsize=(7.0, 4.0), layout='constrained')
         axes = figure.add_subplot()
-        edges = np.histogram_bin_edges(lower, BINS)
+        # Zero is an edge, so that no bar holds states of both kinds.
+        width = max(float(np.ptp(lower)), 1e-12) / BINS
+        first, last = np.floor(lower.min() / width), np.ceil(lower.max() / width)
+        edges = width * np.arange(first, last + 2.0)
         for part, colour, label in (
-            (lower[lower < 0.0], 'tab:red', 'not certified to be apart'),
+            (lower[lower < 0.0], 'tab:orange', 'not certified to be apart'),
             (lower[lower >= 0.0], 'tab:blue', 'apart'),
         ):
             if len(part):

@@ -93,8 +93,10 @@ def page(hunt: Hunt, command: str) -> str:
         of_kinds = {k: find.ratio for k, find in hunt.worst.items() if k.kinds == kinds}
         worst = [max(0.0, *(r for k, r in of_kinds.items() if k.law == law)) for law in LAWS]
         rows.append([kinds, *(f'{ratio:.2g}' for ratio in worst)])
-    broken = sum(hunt.broken.values())
-    told = f'`{command}`: {hunt.judged} pairs judged, laws broken {broken} times.\n\n'
+    certificates = sum(n for key, n in hunt.broken.items() if key.law == 'certificate')
+    others = sum(hunt.broken.values()) - certificates
+    told = f'`{command}`: {hunt.judged} pairs judged. The `certificate` was broken '
+    told += f'{certificates} times, all other laws together {others} times.\n\n'
     laws = table(['law', 'what must hold'], [(f'`{law}`', IN_WORDS[law]) for law in LAWS])
     return f'{NOTE}{told}{table(("shapes", *LAWS), rows)}\n\n## The laws\n\n{laws}'
 
@@ -130,6 +132,6 @@ def page_of_solids(hunt: SolidHunt) -> str:
         for about in kinds
     ]
     broken = sum(hunt.broken.values())
-    told = f'{hunt.judged} placements judged, laws broken {broken} times.\n\n'
+    told = f'{hunt.judged} placements judged. A law was broken {broken} times.\n\n'
     laws = table(['law', 'what must hold'], [(f'`{k}`', v) for k, v in LAWS_OF_SOLIDS.items()])
     return f'{SOLIDS}{told}{table(("solids", *LAWS_OF_SOLIDS), rows)}\n\n{laws}'
