@@ -325,6 +325,7 @@ def obstacle_settings(values: NodeParameters) -> ObstacleSettings:
         self_filter=values.obstacle_self_filter,
         least_points=values.obstacle_least_points,
         keep=values.obstacle_keep,
+        keep_hidden=values.obstacle_keep_hidden,
         rays=values.obstacle_rays,
         margin=values.obstacle_margin,
         box=values.obstacle_box,

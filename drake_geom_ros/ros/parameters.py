@@ -70,6 +70,7 @@ class NodeParameters:
     obstacle_noise: float = 0.01
     obstacle_least_points: int = 1
     obstacle_keep: float = 0.0
+    obstacle_keep_hidden: float = math.inf
     obstacle_rays: bool = False
     obstacle_margin: float = 0.0
     tracked_markers: str = ''
@@ -202,6 +203,10 @@ TEXTS = {
         'How long a cell is held since a point was last in it [s]; 0: until the next message.'
         + _LIVE
     ),
+    'obstacle_keep_hidden': (
+        'How long a cell that a body hides from its sensor stays since a point was last in it '
+        '[s]; .inf: until the sensor can see it.' + _LIVE
+    ),
     'obstacle_rays': (
         'Whether cells that are held go where a sensor looks through them to something behind.'
         + _LIVE
@@ -252,6 +257,7 @@ _RANGES = {
     'tracked_lifetime': (0.05, 3600.0),
     'obstacle_least_points': (1, 10000),
     'obstacle_keep': (0.0, math.inf),
+    'obstacle_keep_hidden': (0.0, math.inf),
     'obstacle_margin': (0.0, 10.0),
     'service_depth': (1, 5000),
     'max_answer_size': (0.0, 2000.0),

@@ -68,11 +68,13 @@ def policy(
     name: str = 'scene_graph',
     robot_topics: Sequence[str] = ROBOT_TOPICS,
     sensor_topics: Sequence[str] = (),
+    tracked_topics: Sequence[str] = (),
 ) -> str:
     """Return the policy of a node as XML.
 
     ``robot_topics`` are the values of the parameters, ``sensor_topics`` those of the scene's
-    obstacle sources, with the camera_info of depth images.
+    obstacle sources, with the camera_info of depth images, ``tracked_topics`` the values of the
+    parameters tracked_markers and tracked_detections.
     """
     root = f'{namespace.rstrip("/")}/'
     node = f'{root}{name}'
@@ -82,7 +84,8 @@ def policy(
         absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
         return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
 
-    inputs, sensed = full([*INPUTS, *filter(None, robot_topics)]), full([*SENSED, *sensor_topics])
+    inputs = full([*INPUTS, *filter(None, robot_topics), *tracked_topics])
+    sensed = full([*SENSED, *sensor_topics])
     results = full((*RESULTS, *SHARED_RESULTS))
     element = ElementTree.Element('policy', version=VERSION)
     enclaves = ElementTree.SubElement(element, 'enclaves')
@@ -148,11 +151,24 @@ def main() -> int:
         metavar='TOPIC',
         help='of an obstacle source of the scene file; repeat it for several, and for camera_info',
     )
+    parser.add_argument(
+        '--tracked-topic',
+        action='append',
+        default=[],
+        metavar='TOPIC',
+        help='value of the parameter tracked_markers or tracked_detections; repeat it for both',
+    )
     options = parser.parse_args()
     if not options.namespace.startswith('/'):
         parser.error(f'--namespace is {options.namespace!r}; it must begin with /')
-    topics = options.robot_description, options.robot_description_semantic
-    print(policy(options.namespace, options.name, topics, options.sensor_topic), end='')
+    text = policy(
+        options.namespace,
+        options.name,
+        robot_topics=(options.robot_description, options.robot_description_semantic),
+        sensor_topics=options.sensor_topic,
+        tracked_topics=options.tracked_topic,
+    )
+    print(text, end='')
     return 0
 
 

@@ -16,7 +16,8 @@ TYPES = (LASER_SCAN, POINT_CLOUD, DEPTH_IMAGE, OCTOMAP)
 RESERVED = 'file'  # the map that load_obstacles makes
 # Keys of sources whose messages are points; the cells of an OctoMap are taken as they are.
 _OF_POINTS = (
-    *('resolution', 'range', 'keep', 'rays', 'noise', 'padding', 'least_points', 'extrude'),
+    *('resolution', 'range', 'keep', 'keep_hidden', 'rays', 'noise', 'padding'),
+    *('least_points', 'extrude'),
 )
 _NO_KEYS = ('name', 'where', 'paddings')
 _SECTION = 'obstacle_sources'
@@ -45,6 +46,7 @@ class ObstacleSource:
     - ``timeout``: the map is stale from this age on; None: as any pose of the node.
     - ``required``: whether a rule about the map is stale with it.
     - ``range``: points farther from the sensor are left out.
+    - ``keep_hidden``: how long cells in the shadow of a body stay after they were seen last.
     - ``paddings``: those of bodies, by name or pattern; of those that fit the last one counts.
     - ``extrude``: heights (low, high) in the world that each seen cell stands for.
     - ``qos``: policies of its subscription.
@@ -60,6 +62,7 @@ class ObstacleSource:
     range: float | None = None
     box: tuple[float, ...] | None = None
     keep: float | None = None
+    keep_hidden: float | None = None
     rays: bool | None = None
     noise: float | None = None
     padding: float | None = None

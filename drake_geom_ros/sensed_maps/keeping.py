@@ -53,13 +53,14 @@ class KeptCells:
         free: Keys | None = None,
         sparse: Keys | None = None,
         hidden: Flags | None = None,
+        keep_hidden: float = math.inf,
     ) -> KeptCells:
         """Return the cells after a cloud of time ``now`` [s] with cells ``new``.
 
         ``free`` are packed keys of cells that its rays cleared, and ``sparse`` of cells with
         points, too few to make one, which still refresh it. Flagged cells of these (n,) are
-        ``hidden`` from the sensor: they stay, and do not age meanwhile. Cells of another
-        resolution are dropped. Times later than ``now`` become ``now``, since clocks are set back.
+        ``hidden`` from the sensor: they stay, and do not age meanwhile; where ``keep_hidden`` [s]
+        is finite they age, and stay until then. Cells of another resolution are dropped. Times later than ``now`` become ``now``, since clocks are set back.
         Raises MapError for more cells than a map may have.
         """
         old, seen = self.cells.packed, np.minimum(self.seen, now)
@@ -70,7 +71,10 @@ class KeptCells:
             shown = np.isin(old, sparse, assume_unique=True)
             seen[shown] = now
         if hidden is not None:
-            seen[hidden] = now
+            if math.isfinite(keep_hidden):
+                hidden = hidden & (now - seen <= keep_hidden)
+            else:
+                seen[hidden] = now
         held = now - seen <= keep if math.isfinite(keep) else np.ones(len(seen), dtype=np.bool_)
         held &= ~np.isin(old, new.packed, assume_unique=True)
         if keep <= 0.0:

@@ -159,3 +159,11 @@ def test_topics_of_sensors_are_heard_by_the_process_of_sensors_and_sent_by_mover
     for node, kind in (('scene_graph_sensors', 'subscribe'), ('mover', 'publish')):
         topics = [t.text for t in profiles[node].findall(f"topics[@{kind}='ALLOW']/topic")]
         assert {'/front/scan', '/camera/camera_info'} <= set(topics)
+
+
+def test_topics_of_trackers_are_heard_by_the_node_and_sent_by_movers():
+    text = policy(tracked_topics=['/people/markers'])
+    profiles = {p.get('node'): p for p in ElementTree.fromstring(text).iter('profile')}
+    for node, kind in (('scene_graph', 'subscribe'), ('mover', 'publish')):
+        topics = [t.text for t in profiles[node].findall(f"topics[@{kind}='ALLOW']/topic")]
+        assert '/people/markers' in topics

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -35,6 +36,8 @@ class ObstacleSettings(NamedTuple):
     extrude: tuple[float, float] | None = None
     # Paddings [m] of bodies by name or pattern; of those that fit the last one counts.
     paddings: tuple[tuple[str, float], ...] = ()
+    # How long [s] cells in the shadow of a body stay after a sensor saw them last.
+    keep_hidden: float = math.inf
 
     @property
     def told_apart(self) -> float:

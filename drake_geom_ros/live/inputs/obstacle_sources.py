@@ -106,6 +106,7 @@ def settings_of(source: ObstacleSource, settings: ObstacleSettings) -> ObstacleS
         'noise': source.noise,
         'least_points': source.least_points,
         'keep': source.keep,
+        'keep_hidden': source.keep_hidden,
         'rays': source.rays,
         'box': source.box,
         'extrude': source.extrude,

@@ -202,7 +202,8 @@ class PointTaker:
         """Return the new shell, and the cells of before that vanished beside bodies.
 
         Such a cell stays until the sensor looks past it, ``keep`` ends, where it is not 0, or no
-        body is near it: then the map alone says what is there. In the shadow of a body it stays.
+        body is near it: then the map alone says what is there. In the shadow of a body it stays
+        for ``keep_hidden``.
         """
         settings = place.settings
         old = before.shell.and_others(Shell.of_map(before.kept.without(held_cells.cells)))
@@ -212,7 +213,8 @@ class PointTaker:
         stays = self.filter.within(place.bodies, old.places, settings.padding, old.reach)
         if 0.0 < settings.keep < np.inf:
             stays &= place.held - old.seen <= settings.keep
-        stays[~stays] = self._in_shadow(place, old.places[~stays], old.reach)
+        may_hide = ~stays & (place.held - old.seen <= settings.keep_hidden)
+        stays[may_hide] = self._in_shadow(place, old.places[may_hide], old.reach)
         old = old.among(stays)
         if len(old.cells) and not _is_world(place):
             p_FPs = (old.places - place.p_WF) @ place.R_WF
@@ -277,7 +279,10 @@ def _kept(
 ) -> KeptCells:
     """Return cells, and those of before that are held; ``sparse`` ones only hold."""
     held = KeptCells.none(cells.resolution) if before is None else before.kept
-    return held.and_then(cells, place.held, place.settings.keep, free, sparse, hidden)
+    settings = place.settings
+    return held.and_then(
+        cells, place.held, settings.keep, free, sparse, hidden, settings.keep_hidden
+    )
 
 
 class _Beside(NamedTuple):

@@ -53,6 +53,29 @@ def test_a_thing_that_the_plate_hides_stays_until_the_sensor_looks_there_again(k
     assert sensor.cells() == {cell(ASIDE)}
 
 
+@pytest.mark.parametrize('keep', [0.0, 0.5, 4.0])
+def test_a_hidden_cell_goes_once_it_is_unseen_for_keep_hidden(keep):
+    sensor = Sensor(keep=keep, keep_hidden=2.0)
+    sensor.see(100.0, AWAY, THING, ASIDE)
+    sensor.see(101.9, BEFORE, ON_PLATE, ASIDE)
+    assert cell(THING) in sensor.cells()
+    sensor.see(102.1, BEFORE, ON_PLATE, ASIDE)
+    assert (cell(THING) in sensor.cells()) == (keep > 2.0)
+    assert sensor.node.input.counts.held_shell_cells == 0
+    sensor.see(104.5, BEFORE, ON_PLATE, ASIDE)
+    assert sensor.cells() == {cell(ASIDE)}
+
+
+def test_a_cell_of_the_shell_goes_once_it_is_unseen_for_keep_hidden():
+    sensor = Sensor(padding=0.2, keep_hidden=2.0)
+    sensor.see(100.0, AWAY, [1.15, 0.05, 0.03], ASIDE)
+    sensor.see(100.5, BEFORE, ON_PLATE, ASIDE)
+    further = [0.6, 0.0, 0.0]
+    for stamp, held in ((101.5, 1), (102.5, 0)):
+        sensor.see(stamp, further, [0.59, 0.05, 0.03], ASIDE)
+        assert sensor.node.input.counts.held_shell_cells == held
+
+
 def test_no_self_filter_has_no_shadow():
     sensor = Sensor()
     sensor.node.settings = sensor.node.settings._replace(self_filter='none')
