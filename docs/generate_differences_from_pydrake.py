@@ -15,7 +15,8 @@ _INTRODUCTION = """# Differences from pydrake
 
 Generated from [differences.yaml](differences.yaml) by
 `python docs/generate_differences_from_pydrake.py`; a test runs each example with this package, and
-with pydrake 1.51 where that is installed.
+with pydrake where that is installed. All names are those of pydrake 1.58; 1.51, the last version
+with wheels for Python 3.10 and 3.11, gives the same answers.
 
 A script that uses `SceneGraph` without a Diagram runs after its imports are changed: write
 `drake_geom_ros.geometry`, `drake_geom_ros.math` and `drake_geom_ros.common` in place of

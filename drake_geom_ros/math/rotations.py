@@ -174,6 +174,14 @@ class RotationMatrix:
         """Return whether no element differs from the identity's by more than ``tolerance``."""
         return bool(np.abs(self._R - np.eye(3)).max() <= tolerance)
 
+    def IsExactlyEqualTo(self, other: RotationMatrix) -> bool:
+        """Return whether the two matrices are the same to the last bit."""
+        return self == other
+
+    def IsNearlyEqualTo(self, other: RotationMatrix, tolerance: float) -> bool:
+        """Return whether no element differs by more than ``tolerance``."""
+        return bool(np.abs(self._R - other._R).max() <= tolerance)
+
     def ToRollPitchYaw(self) -> RollPitchYaw:
         """Return roll, pitch and yaw, with pitch between -pi/2 and pi/2."""
         return RollPitchYaw(self)
@@ -270,6 +278,10 @@ class RollPitchYaw:
     def ToQuaternion(self) -> Quaternion:
         """Return the unit quaternion with w >= 0."""
         return self.ToRotationMatrix().ToQuaternion()
+
+    def IsNearlyEqualTo(self, other: RollPitchYaw, tolerance: float) -> bool:
+        """Return whether no angle [rad] differs by more than ``tolerance``; full turns count."""
+        return bool(np.abs(self._rpy - other._rpy).max() <= tolerance)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RollPitchYaw):

@@ -60,8 +60,9 @@ class KeptCells:
         ``free`` are packed keys of cells that its rays cleared, and ``sparse`` of cells with
         points, too few to make one, which still refresh it. Flagged cells of these (n,) are
         ``hidden`` from the sensor: they stay, and do not age meanwhile; where ``keep_hidden`` [s]
-        is finite they age, and stay until then. Cells of another resolution are dropped. Times later than ``now`` become ``now``, since clocks are set back.
-        Raises MapError for more cells than a map may have.
+        is finite they age, and stay until then. Cells of another resolution are dropped. Times
+        later than ``now`` become ``now``, since clocks are set back. Raises MapError for more
+        cells than a map may have.
         """
         old, seen = self.cells.packed, np.minimum(self.seen, now)
         if new.resolution != self.cells.resolution:

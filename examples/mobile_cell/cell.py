@@ -228,6 +228,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--picture', type=Path, help='file to draw')
     options = parser.parse_args(arguments)
     fault_at = 0.5 * options.seconds if options.fault else math.inf
+    if options.picture:
+        options.picture.parent.mkdir(parents=True, exist_ok=True)
     run = Run(options.fault, options.seed).go(options.seconds, fault_at)
     print(f'{run.steps} decisions in {options.seconds:g} s, stopped in {run.stopped}')
     print(f'a body was nearer than its limit in {run.true_stops}; late: {len(run.late)}')

@@ -138,14 +138,17 @@ def test_every_requirement_is_pinned_for_every_python_once():
         seen = {}
         for line in lines:
             match = re.fullmatch(
-                r'(?P<name>[\w-]+)(\[\w+\])?==[\w.]+( ; python_version (?P<range>>=|<) "3\.11")?'
+                r'(?P<name>[\w-]+)(\[\w+\])?==[\w.]+'
+                r'( ; python_version (?P<range>>=|<) "(?P<bound>3\.1[12])")?'
                 r'( +# .+)?',
                 line,
             )
             assert match, f'{file}: {line}'
-            seen.setdefault(match['name'], []).append(match['range'])
-        for name, ranges in seen.items():
+            seen.setdefault(match['name'], []).append((match['range'], match['bound']))
+        for name, parts in seen.items():
+            ranges = [part for part, _ in parts]
             assert ranges in ([None], ['>=', '<'], ['<'], ['>=']), f'{file}: {name}'
+            assert len({bound for _, bound in parts}) == 1, f'{file}: {name}'
 
 
 @pytest.mark.parametrize('distribution', ['kilted', 'jazzy'])

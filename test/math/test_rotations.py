@@ -173,3 +173,15 @@ def test_they_print_as_they_are_made():
     R = RotationMatrix(ROTATIONS[1].as_matrix())
     assert eval(repr(R)) == R
     assert repr(RollPitchYaw(1, 2, 3)) == 'RollPitchYaw(roll=1.0, pitch=2.0, yaw=3.0)'
+
+
+def test_rotations_and_angles_are_equal_exactly_or_nearly():
+    R = RotationMatrix.MakeXRotation(0.3)
+    near = RotationMatrix.MakeXRotation(0.3 + 1e-6)
+    assert R.IsExactlyEqualTo(RotationMatrix(R))
+    assert not R.IsExactlyEqualTo(near)
+    assert R.IsNearlyEqualTo(near, tolerance=1e-6)
+    assert not R.IsNearlyEqualTo(near, tolerance=1e-7)
+    rpy = RollPitchYaw(0.1, 0.2, 0.3)
+    assert rpy.IsNearlyEqualTo(RollPitchYaw(0.1, 0.2, 0.3 + 1e-6), tolerance=1.1e-6)
+    assert not rpy.IsNearlyEqualTo(RollPitchYaw(0.1, 0.2, 0.3 + 2.0 * np.pi), tolerance=1e-6)

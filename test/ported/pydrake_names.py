@@ -4,6 +4,7 @@
 that is not installed; a test holds the two alike.
 """
 
+import enum
 import importlib
 import importlib.metadata
 import inspect
@@ -30,9 +31,10 @@ def ours(module):
 
 
 def arguments(name, doc):
-    """Return the names of the arguments of each overload that a docstring of pybind11 tells.
+    """Return the names of the arguments of each overload that a docstring of pydrake tells.
 
     An argument that may be left out ends in ``=``; one without a name is ``arg0`` and so on.
+    Before 1.58 the bindings are by pybind11, since then by nanobind, which puts ``/`` behind them.
     """
     overloads = []
     for line in (doc or '').splitlines():
@@ -41,7 +43,9 @@ def arguments(name, doc):
             names = []
             for text in _split(match[1]):
                 kind = text.partition(':')[0].strip()
-                if kind != 'self':
+                if kind == '/':
+                    names = [f'arg{k}' for k in range(len(names))]
+                elif kind != 'self':
                     names.append(kind + ('=' if ' = ' in text else ''))
             overloads.append(names)
     return overloads
@@ -73,6 +77,8 @@ def described(theirs, mine):
         return arguments(getattr(theirs, '__name__', ''), theirs.__doc__)
     if mine is None:
         return None
+    if issubclass(theirs, enum.Enum):
+        return {name: [] for name in theirs.__members__}
     # What every system of pydrake has says nothing of geometry.
     inherited = set(dir(theirs.__mro__[1])) if theirs.__name__ == 'SceneGraph' else set()
     methods = ['__init__', *(name for name in public(theirs) if name not in inherited)]
