@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
 from std_msgs.msg import Float64
 
+from drake_geom_ros.client.services import Services
 from drake_geom_ros.common.nearest import nearest
 
 SILENCE = 0.5  # [s] a node without messages for longer counts as dead
@@ -81,6 +83,13 @@ class RuleStanding:
     pairs: int  # watched pairs
     left_out_pairs: int  # pairs of its sets that are never reported
     trouble: str  # why it can never be entered in the current scene
+    awaits_acknowledgement: bool = False  # its cause has gone, and its latch keeps it entered
+    entered_sequence: int = 0  # number of the event by which it was entered last; 0: never
+
+    def in_words(self) -> str:
+        """Return the name and why it is entered, as a text."""
+        latched = ', to be acknowledged' if self.awaits_acknowledgement else ''
+        return f'{self.name}: {self.why}{latched}'
 
 
 class ProximityMonitor:
@@ -112,6 +121,7 @@ class ProximityMonitor:
         when the server falls silent.
         """
         self._server, self._needed = server, tuple(rules)
+        self._services = Services(node, server)
         self._on_event, self._on_change = on_event, on_change
         self._heard, self._scale = -np.inf, 0.0
         self._standing: dict[str, RuleStanding] | None = None
@@ -159,7 +169,23 @@ class ProximityMonitor:
             return next((rule.trouble for rule in stops), 'no proximity rule says when to stop')
         if not self.is_alive:
             return f'{self._server} is silent for more than {SILENCE:g} s'
-        return ', '.join(f'{rule.name}: {rule.why}' for rule in stops if rule.entered)
+        return ', '.join(rule.in_words() for rule in stops if rule.entered)
+
+    def acknowledge(self, rule: str) -> Future:
+        """Acknowledge that a latched rule was entered; return the future of the response.
+
+        Call it for somebody who has seen why the robot stopped. It names the entering that was
+        received here last, so the node refuses it if the rule was entered again since.
+
+        ::
+
+            response = await monitor.acknowledge('hands off')
+            if not response.success:
+                print(response.message)
+        """
+        standing = (self._standing or {}).get(rule)
+        sequence = 0 if standing is None else standing.entered_sequence
+        return self._services.send('acknowledge_rule', name=rule, sequence=sequence)
 
     def _hear_scale(self, message: Any) -> None:
         self._heard, self._scale = time.monotonic(), float(message.data)
@@ -180,6 +206,8 @@ class ProximityMonitor:
                 message.pairs[k],
                 message.left_out_pairs[k],
                 message.trouble[k],
+                message.awaits_acknowledgement[k],
+                message.entered_sequence[k],
             )
             for k, name in enumerate(message.rules.name)
         }
@@ -213,7 +241,12 @@ class ProximityMonitor:
         why = event.why if event.entered else ''
         before = self._standing.get(event.rule, new)
         self._standing[event.rule] = replace(
-            before, entered=event.entered, why=why, since=event.stamp
+            before,
+            entered=event.entered,
+            why=why,
+            since=event.stamp,
+            awaits_acknowledgement=False,
+            entered_sequence=event.sequence if event.entered else before.entered_sequence,
         )
 
     def _look(self) -> None:

@@ -21,7 +21,9 @@ from drake_geom_ros.proximity_rules.rule import ProximityRule, Why
 
 Ids = NDArray[np.int64]
 Whys = NDArray[np.uint8]
-_NEAR, _SOON = int(Why.NEAR), int(Why.SOON)
+_NEAR, _SOON, _NO_POSE = int(Why.NEAR), int(Why.SOON), int(Why.NO_POSE)
+# Whether the entering of a rule was acknowledged, and whether its cause has gone since.
+_UNACKNOWLEDGED, _ACKNOWLEDGED, _ACKNOWLEDGED_AND_CLEAR = 0, 1, 2
 _NONE = np.zeros(0, dtype=np.bool_)
 
 
@@ -73,6 +75,7 @@ class Limits(NamedTuple):
     enter_after: Floats  # [s]
     least_time: Floats  # [s]
     enters_when_stale: Flags
+    acknowledge: Flags
     far: Floats  # [m] pairs beyond count only by their time to contact
     farthest_at_rest: float  # [m] the maximum of ``far``; -inf: there is no rule
 
@@ -92,6 +95,7 @@ class Limits(NamedTuple):
             each('enter_after'),
             each('min_time_to_contact'),
             each('enters_when_stale').astype(np.bool_),
+            each('acknowledge').astype(np.bool_),
             far,
             float(far.max(initial=-math.inf)),
         )
@@ -111,6 +115,10 @@ class Entered(NamedTuple):
     since: Floats  # time of the last change; -inf: there was none
     why: Whys  # the last Why; 0: never entered
     near_since: Floats  # begin of uninterrupted nearness; inf: it is not near
+    is_clear: Flags  # it is entered, and nothing but ``hold`` or its latch keeps it so
+    acknowledged: NDArray[np.uint8]  # of an entered rule: a state of acknowledgement
+    sequence: Ids  # number of the event by which it was entered last; 0: never
+    interlock: Flags  # the next decision enters it, whatever was measured
 
     @classmethod
     def of_new(cls, count: int) -> Entered:
@@ -120,17 +128,29 @@ class Entered(NamedTuple):
             np.full(count, -math.inf),
             np.zeros(count, dtype=np.uint8),
             np.full(count, math.inf),
+            np.zeros(count, dtype=np.bool_),
+            np.zeros(count, dtype=np.uint8),
+            np.zeros(count, dtype=np.int64),
+            np.zeros(count, dtype=np.bool_),
         )
 
     def of(self, numbers: Sequence[int]) -> Entered:
         """Return the states of these rules, by index; -1 stands for a new rule."""
         other, old = Entered.of_new(len(numbers)), [n for n in numbers if n >= 0]
         at = [place for place, n in enumerate(numbers) if n >= 0]
-        other.is_entered[at] = self.is_entered[old]
-        other.since[at] = self.since[old]
-        other.why[at] = self.why[old]
-        other.near_since[at] = self.near_since[old]
+        for column, own in zip(other, self, strict=True):
+            column[at] = own[old]
         return other
+
+    def awaits(self, limits: Limits) -> Flags:
+        """Return which rules (r,) are entered and not acknowledged yet, though they have to be."""
+        lacks: Flags = self.acknowledged == _UNACKNOWLEDGED
+        return self.is_entered & limits.acknowledge & lacks
+
+    def acknowledge(self, number: int) -> None:
+        """Let a rule that is entered, by index, be left once its cause has gone."""
+        if self.acknowledged[number] == _UNACKNOWLEDGED:
+            self.acknowledged[number] = _ACKNOWLEDGED
 
 
 @compiled
@@ -151,6 +171,9 @@ def step(
     ``why`` of an entered rule follows the reasons; a rule that is left keeps its last one. No
     rule is left before the first measurement. An invalid pose enters a rule at once, since
     waiting would trust it.
+
+    A latched rule is left only once it is acknowledged. The acknowledgement is of one entering:
+    it ends when the rule is left, and when the rule would be entered again meanwhile.
     """
     count = 0
     for r in range(len(limits.group)):
@@ -166,16 +189,27 @@ def step(
         entered.near_since[r] = min(entered.near_since[r], now) if near else math.inf
         is_due = near > 0 and now - entered.near_since[r] >= limits.enter_after[r]
         why = near if is_due else int(why_unposed)
+        if entered.interlock[r]:
+            entered.interlock[r] = False
+            why = why or _NO_POSE
         changes = why > 0
         is_far, is_soon = False, False
         if entered.is_entered[r]:
             is_soon = reasons.soonest[r] < limits.least_time[r]
             is_far = reasons.lowest[r] >= limits.leave[r] and not is_soon
             has_held = now - entered.since[r] >= limits.hold[r]
-            changes = is_measured and is_far and has_held and not is_unsure
+            entered.is_clear[r] = is_measured and is_far and not is_unsure
+            if entered.acknowledged[r] == _ACKNOWLEDGED_AND_CLEAR and why > 0:
+                entered.acknowledged[r] = _UNACKNOWLEDGED
+            elif entered.acknowledged[r] == _ACKNOWLEDGED and entered.is_clear[r]:
+                entered.acknowledged[r] = _ACKNOWLEDGED_AND_CLEAR
+            is_latched = limits.acknowledge[r] and entered.acknowledged[r] == _UNACKNOWLEDGED
+            changes = entered.is_clear[r] and has_held and not is_latched
         if changes:
             entered.is_entered[r] = not entered.is_entered[r]
             entered.since[r] = now
+            entered.is_clear[r] = False
+            entered.acknowledged[r] = _UNACKNOWLEDGED
             changed[count] = r
             count += 1
         if not entered.is_entered[r]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +40,8 @@ class RuleState(NamedTuple):
     trouble: str  # why it can never be entered in the current scene; empty if it can
     lacking: tuple[str, ...]  # names that match nothing any more; the rule goes on without them
     unpredicted: bool  # it uses times to contact, and a motion that it needs is unknown
+    awaits_acknowledgement: bool  # it is entered, its cause has gone, and its latch holds it
+    entered_sequence: int  # number of the event by which it was entered last; 0: never
 
 
 class RuleStates(NamedTuple):
@@ -58,6 +60,8 @@ class RuleStates(NamedTuple):
     trouble: Sequence[str]
     lacking: Sequence[tuple[str, ...]]
     unpredicted: NDArray[np.bool_]
+    awaits_acknowledgement: NDArray[np.bool_]
+    entered_sequence: NDArray[np.int64]
 
     def each(self) -> list[RuleState]:
         """Return the state of each rule."""
@@ -72,6 +76,8 @@ class RuleStates(NamedTuple):
                 self.trouble,
                 self.lacking,
                 self.unpredicted.tolist(),
+                self.awaits_acknowledgement.tolist(),
+                self.entered_sequence.tolist(),
             )
         )
 
@@ -83,7 +89,7 @@ class RuleMonitor:
         self._scene = scene
         self._sequence = first_sequence
         self._met: frozenset[str] = frozenset()  # rules whose names all matched at least once
-        self.changes_of_why = 0  # cycles in which the reason of any rule changed
+        self.changes_of_state = 0  # how often the reason or the latch of any rule changed
         self._set((), Entered.of_new(0))
 
     # Adding and removing rules.
@@ -109,14 +115,42 @@ class RuleMonitor:
                     f'there is a proximity rule {rule.name[:80]!r} already; remove it first'
                 )
             taken.add(rule.name)
-        every = (*self.rules, *added)
-        watched = watched or self.watching(every, self._scene)
+        watched = watched or self.watching((*self.rules, *added), self._scene)
         troubles = list(filter(None, watched.trouble[len(self.rules) :]))
         if troubles and not may_wait:
             raise RuleError(troubles[0])
-        states = self._entered.of([*range(len(self.rules)), *[-1] * len(added)])
-        self._set(every, states, watched)
+        self.exchange((), added, watched)
         return troubles
+
+    def exchange(
+        self,
+        removed: Collection[str],
+        added: Sequence[ProximityRule],
+        watched: WatchedPairs | None = None,
+    ) -> tuple[list[Event], list[str]]:
+        """Replace the rules ``removed`` by others; return GONE events, and troubles.
+
+        ``watched`` is what ``watching`` returned for the rules that stay, then those ``added``. A
+        latched rule that nobody acknowledged goes on, without an event, as the one of its name
+        among those added, if that has a latch too. A rule without one leaves nothing to wait for,
+        which is one of the troubles.
+        """
+        ended = {rule.name: n for n, rule in enumerate(self.rules) if rule.name in removed}
+        left = [n for n, rule in enumerate(self.rules) if rule.name not in ended]
+        awaits = self._entered.awaits(self._limits)
+        latched = {name: n for name, n in ended.items() if awaits[n]}
+        passed_on = [latched.get(rule.name, -1) if rule.acknowledge else -1 for rule in added]
+        gone = [self.rules[n] for n in ended.values() if n not in passed_on]
+        events = events_of_gone(self._sequence, gone)
+        self._sequence += len(events)
+        released = [rule.name for rule in gone if rule.name in latched]
+        every = (*(self.rules[n] for n in left), *added)
+        self._set(every, self._entered.of([*left, *passed_on]), watched)
+        return events, [
+            f'proximity rule {name!r} was entered and not acknowledged; the one in its place has '
+            'no key acknowledge, and does not wait for it'
+            for name in released
+        ]
 
     def remove(self, *names: str, watched: WatchedPairs | None = None) -> list[Event]:
         """Remove rules, all or none; return their GONE events.
@@ -124,14 +158,69 @@ class RuleMonitor:
         ``watched`` is what ``watching`` returned for the rules that stay. Raises RuleError if
         there is no rule of a name.
         """
-        numbers = {rule.name: number for number, rule in enumerate(self.rules)}
-        for name in names:
-            if name not in numbers:
-                raise RuleError(
-                    f'there is no proximity rule {name[:80]!r}{nearest(name, numbers)}; '
-                    'see list_proximity_rules'
-                )
-        return self._end([numbers[name] for name in names], watched)
+        return self._end([self._number(name) for name in names], watched)
+
+    def _number(self, name: str) -> int:
+        """Return the index of a rule; raises RuleError if there is none of that name."""
+        for number, rule in enumerate(self.rules):
+            if rule.name == name:
+                return number
+        names = [rule.name for rule in self.rules]
+        raise RuleError(
+            f'there is no proximity rule {name[:80]!r}{nearest(name, names)}; '
+            'see list_proximity_rules'
+        )
+
+    # Latches.
+
+    def acknowledge(self, name: str, sequence: int) -> list[Event]:
+        """Acknowledge that a rule was entered, by the number of that event.
+
+        The rule is left by the next decision that finds its cause gone and its ``hold`` over: a
+        cause that persists is not overruled. The acknowledgement is of this entering only. It ends
+        when the rule is left, and when a new cause comes after the old one has gone. A rule of
+        whose geometries nothing is left ends now, and its GONE event is returned.
+
+        Raises RuleError for an unknown rule, one without a latch, one that is not entered, and
+        another event than that by which it was entered last.
+        """
+        number = self._number(name)
+        rule, entered = self.rules[number], self._entered
+        if not rule.acknowledge:
+            raise RuleError(
+                f'proximity rule {name[:80]!r} has no key acknowledge: it is left by itself'
+            )
+        if not entered.is_entered[number]:
+            raise RuleError(
+                f'proximity rule {name[:80]!r} is not entered: there is nothing to acknowledge, '
+                'and nothing is remembered for later; see ~/proximity_states'
+            )
+        if sequence != (last := int(entered.sequence[number])):
+            raise RuleError(
+                f'sequence is {sequence}; proximity rule {name[:80]!r} was entered last by event '
+                f'{last}: look at that one (entered_sequence of ~/proximity_states), then '
+                'acknowledge it'
+            )
+        entered.acknowledge(number)
+        self.changes_of_state += 1
+        return self._end([number]) if self._has_ended(number) else []
+
+    def unacknowledged(self) -> dict[str, int]:
+        """Return by latched rule the event that entered it, and that has to be acknowledged."""
+        numbers = np.flatnonzero(self._entered.awaits(self._limits)).tolist()
+        return {self.rules[n].name: int(self._entered.sequence[n]) for n in numbers}
+
+    def begin_entered(self) -> None:
+        """Have the next decision enter each latched rule, whatever it measures.
+
+        For a process that starts, and does not know whether one was entered before: as a safety
+        relay with a manual reset it waits to be acknowledged.
+        """
+        self._entered.interlock[:] = self._limits.acknowledge & ~self._entered.is_entered
+
+    def _has_ended(self, number: int) -> bool:
+        """Return whether a rule was about geometries of which nothing is left."""
+        return self.rules[number].name in self._met and bool(self._watched.unknown[number])
 
     def watching(self, rules: Sequence[ProximityRule], scene: ScenePairs) -> WatchedPairs:
         """Return the pairs that such rules watch in another version of the scene."""
@@ -142,14 +231,16 @@ class RuleMonitor:
     def bind(self, scene: ScenePairs, watched: WatchedPairs | None = None) -> list[Event]:
         """Bind the rules to another version of the scene; return GONE events of rules it ends.
 
-        A rule ends if one of its sets is empty now. If only some of its names match nothing now,
-        it goes on with the others. Filters end no rule, since they come and go. ``watched`` is
-        what ``watching`` returned for the scene and the present rules.
+        A rule ends if one of its sets is empty now, unless it is latched and nobody acknowledged
+        it: that one stays entered. If only some of its names match nothing now, it goes on with
+        the others. Filters end no rule, since they come and go. ``watched`` is what ``watching``
+        returned for the scene and the present rules.
         """
         unknown_before, self._scene = self._watched.unknown, scene
         self._set(self.rules, self._entered, watched)
+        awaits = self._entered.awaits(self._limits)
         pairs = enumerate(zip(unknown_before, self._watched.unknown, strict=True))
-        return self._end([number for number, (old, new) in pairs if new and not old])
+        return self._end([n for n, (old, new) in pairs if new and not old and not awaits[n]])
 
     def _end(self, numbers: Sequence[int], watched: WatchedPairs | None = None) -> list[Event]:
         """Remove rules by index; return their GONE events."""
@@ -222,12 +313,16 @@ class RuleMonitor:
         for why, flags in poses.without():
             reasons.unposed[watched.needs(flags)] = why
         reasons.unposed[watched.is_unknown] = Why.NO_POSE
-        before = entered.why.copy()
+        before = entered.why.copy(), entered.is_clear.copy()
         count = step(now, limits, reasons, self.is_measured, entered, self._changed)
-        self.changes_of_why += int(not np.array_equal(before, entered.why))
+        is_same = np.array_equal(before[0], entered.why)
+        is_same &= np.array_equal(before[1], entered.is_clear)
+        self.changes_of_state += int(not is_same)
         if not count:
             return []
         first, changed = self._sequence, self._changed[:count]
+        enters = entered.is_entered[changed]
+        entered.sequence[changed[enters]] = first + np.flatnonzero(enters)
         self._sequence += count
         return events_of(first, self.rules, changed, entered, watched, poses, self._seen)
 
@@ -244,7 +339,8 @@ class RuleMonitor:
             return None
         if not self.is_measured:
             return 0.0
-        return self._speed.value(self._entered.is_entered, self._reasons, self._limits)
+        entered, limits = self._entered, self._limits
+        return self._speed.value(entered.is_entered, entered.awaits(limits), self._reasons, limits)
 
     def states(self) -> list[RuleState]:
         """Return the state of each rule, in the order of their addition."""
@@ -264,4 +360,6 @@ class RuleMonitor:
             trouble=watched.trouble,
             lacking=watched.lacking,
             unpredicted=reasons.unpredicted,
+            awaits_acknowledgement=entered.awaits(self._limits) & entered.is_clear,
+            entered_sequence=entered.sequence,
         )

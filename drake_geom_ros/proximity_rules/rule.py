@@ -54,6 +54,9 @@ class ProximityRule:
     'enter' for stop and slow rules, 'keep' for warnings. ``scale`` is pairs (distance [m], speed
     scale 0 to 1), for slow rules only: see ``speed_scale``.
 
+    A rule with ``acknowledge`` is latched: once entered it is left only after somebody
+    acknowledged that entering: see ``RuleMonitor.acknowledge``.
+
     Raises RuleError, which names the field, for an invalid value.
 
     >>> stop = ProximityRule('hands off', ('left',), level=Level.STOP, enter=0.05, leave=0.08)
@@ -72,6 +75,7 @@ class ProximityRule:
     min_time_to_contact: float = 0.0
     when_stale: str = ''
     scale: tuple[tuple[float, float], ...] = ()
+    acknowledge: bool = False
 
     def __post_init__(self) -> None:
         if not self.name:

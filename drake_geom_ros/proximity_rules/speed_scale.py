@@ -23,6 +23,9 @@ class SpeedScale:
     most the remaining fraction of that time. A slow rule scales to the minimum of its curve if a
     pose that it needs was never received, and also while it is entered and a pose or motion that
     it needs is unknown.
+
+    A latched slow rule that nobody acknowledged scales as at its ``enter``, however far away its
+    pairs are meanwhile.
     """
 
     def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
@@ -40,19 +43,23 @@ class SpeedScale:
         # Without a stop or slow rule there is no scale to publish.
         self.is_asked_for = bool(self._stops.any()) or bool(self._curves)
 
-    def value(self, entered: Flags, reasons: Reasons, limits: Limits) -> float:
-        """Return the scale, by the mask ``entered`` (r,) and the reasons and limits of rules."""
+    def value(self, entered: Flags, latched: Flags, reasons: Reasons, limits: Limits) -> float:
+        """Return the scale, by masks (r,), and the reasons and limits of rules.
+
+        ``latched`` are the rules that are entered and wait to be acknowledged.
+        """
         unposed, absent = reasons.unposed > 0, reasons.unposed == Why.NO_POSE
         if (self._stops & (entered | unposed)).any():
             return 0.0
         scale = 1.0
         unseen = (entered & (unposed | reasons.unpredicted)) | absent
         lacking = unseen[self._slow]
-        near = reasons.lowest[self._slow] < self._ends
+        distance = np.where(latched, np.minimum(reasons.lowest, limits.enter), reasons.lowest)
+        near = distance[self._slow] < self._ends
         soon = (reasons.soonest < limits.least_time)[self._slow]
         for number in self._slow[near | soon | lacking].tolist():
             distances, scales = self._curves[number]
-            lowest = -np.inf if unseen[number] else reasons.lowest[number]
+            lowest = -np.inf if unseen[number] else distance[number]
             scale = min(scale, float(np.interp(lowest, distances, scales)))
             if limits.least_time[number] > 0.0:
                 scale = min(scale, float(reasons.soonest[number] / limits.least_time[number]))

@@ -160,6 +160,7 @@ class SceneGraphNode(LifecycleNode):
             if sources:
                 scene.poses.history = PoseHistory()
             counts = begin_with_maps(scene, described, list(sources), values.obstacle_margin)
+            scene.rules.begin_entered()
         if described is not None:
             hulls = hulls_in_words(described.geometries)
             loaded = f'{counted(counts[0], "frame")} and {counted(counts[1], "geometry")}'

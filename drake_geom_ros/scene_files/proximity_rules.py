@@ -35,6 +35,7 @@ def _rule(plain: Any) -> ProximityRule:
         **{name: float(plain.get(name, 0.0)) for name in _NUMBERS},
         when_stale=plain.get('when_stale', ''),
         scale=tuple((float(d), float(s)) for d, s in plain.get('scale', ())),
+        acknowledge=plain.get('acknowledge', False),
     )
 
 
@@ -50,6 +51,7 @@ def plain_proximity_rule(rule: ProximityRule) -> dict[str, Any]:
         **{name: getattr(rule, name) for name in _NUMBERS},
         'when_stale': rule.when_stale,
         'scale': [list(point) for point in rule.scale],
+        'acknowledge': rule.acknowledge,
     }
     return {
         'name': rule.name,

@@ -43,6 +43,7 @@ def states(next_sequence, *entered, version=0):
     message.since = [0.0] * n
     message.pairs = message.left_out_pairs = [1] * n
     message.trouble, message.scene_version = [''] * n, version
+    message.awaits_acknowledgement, message.entered_sequence = [False] * n, [0] * n
     return message
 
 

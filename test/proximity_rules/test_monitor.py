@@ -7,69 +7,30 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from proximity_rules.monitored import (
+    FRESH,
+    NAMES,
+    NOTHING,
+    PATTERNS,
+    measured,
+    monitor,
+    rule,
+    scene,
+)
 from proximity_rules.referee import Referee
 
 from drake_geom_ros.common.geometry_names import GeometryNames, matches
-from drake_geom_ros.geometry import CandidatePairs
 from drake_geom_ros.proximity_rules import (
     Level,
-    Measured,
-    NamedGeometries,
     Poses,
     ProximityRule,
     RuleError,
     RuleMonitor,
-    ScenePairs,
     WatchedPairs,
     Why,
     decisions,
     nearest_pairs,
 )
-
-NAMES = [
-    GeometryNames('left', 'hand', 'finger', False),
-    GeometryNames('left', 'hand', 'palm', False),
-    GeometryNames('left', 'arm', 'tube', False),
-    GeometryNames('right', 'hand', 'palm', False),
-    GeometryNames('room', 'world', 'table', True),
-    GeometryNames('room', 'world', 'wall', True),
-]
-PATTERNS = ['left', 'right', 'room', 'left::hand', 'hand', '*/palm', 'table', '*', 'arm/tube']
-FRESH = Poses(np.zeros(6, bool), np.zeros(6, bool))
-
-
-def scene(filtered=(), names=NAMES, first_id=11):
-    n = len(names)
-    reported = ~np.eye(n, dtype=bool)
-    for a, b in itertools.product(range(n), repeat=2):
-        same = names[a].body == names[b].body or (names[a].is_anchored and names[b].is_anchored)
-        reported[a, b] &= not same and (a, b) not in filtered and (b, a) not in filtered
-    every, excluded = np.arange(n), np.packbits(~reported, axis=1, bitorder='little')
-    pairs = CandidatePairs(np.arange(first_id, first_id + n), every, every, every, excluded)
-    return ScenePairs(NamedGeometries(names), pairs)
-
-
-def measured(*pairs, speeds=None):
-    """Return what a cycle saw of (a, b, distance, error bound)."""
-    a, b, distance, bound = (np.array(column) for column in zip(*pairs, strict=True))
-    points = np.arange(3.0 * len(pairs)).reshape(-1, 3)
-    speeds = None if speeds is None else np.array(speeds)
-    return Measured(11 + a, 11 + b, distance.astype(float), bound, points, -points, speeds)
-
-
-NOTHING = Measured(
-    *np.empty((2, 0), dtype=np.int64), *np.empty((2, 0)), *np.empty((2, 0, 3)), np.empty(0)
-)
-
-
-def rule(name='r', set_a=('left',), set_b=('room',), **more):
-    return ProximityRule(name, set_a, set_b, **{'enter': 0.1, 'leave': 0.2, **more})
-
-
-def monitor(*rules, **of_scene):
-    made = RuleMonitor(scene(**of_scene))
-    made.add(rules)
-    return made
 
 
 def test_a_rule_is_entered_below_enter_and_left_from_leave_on():
@@ -180,18 +141,18 @@ def test_the_reason_follows_when_what_holds_a_rule_entered_changes():
     absent = Poses(np.zeros(6, bool), np.array([1, 0, 0, 0, 0, 0], bool))
     stale = Poses(np.array([1, 0, 0, 0, 0, 0], bool), np.zeros(6, bool))
     (event,) = watch.decide(0.0, absent, NOTHING)
-    changes = watch.changes_of_why
+    changes = watch.changes_of_state
     between = measured((0, 4, 0.15, 0.0))
     assert (event.why, watch.decide(1.0, FRESH, between)) == (Why.NO_POSE, [])
     assert watch.states()[0].why == Why.NEAR
-    assert watch.changes_of_why == changes + 1
+    assert watch.changes_of_state == changes + 1
     watch.decide(2.0, stale)
     assert watch.states()[0].why == Why.STALE
     watch.decide(3.0, FRESH)
     assert watch.states()[0].why == Why.NEAR
-    assert watch.changes_of_why == changes + 3
+    assert watch.changes_of_state == changes + 3
     watch.decide(4.0, FRESH)
-    assert watch.changes_of_why == changes + 3
+    assert watch.changes_of_state == changes + 3
 
 
 def test_a_pose_that_no_pair_needs_may_be_stale():
@@ -431,7 +392,7 @@ def test_bits_of_many_rules_are_told_apart():
 
 numbers = st.floats(0.0, 0.4)
 drawn_rules = st.builds(
-    lambda a, b, level, enter, room, times, stale: {
+    lambda a, b, level, enter, room, times, stale, acknowledge: {
         'set_a': tuple(a),
         'set_b': tuple(b),
         'level': level,
@@ -441,6 +402,7 @@ drawn_rules = st.builds(
         'enter_after': times[1],
         'min_time_to_contact': times[2],
         'when_stale': stale,
+        'acknowledge': acknowledge,
     },
     st.lists(st.sampled_from(PATTERNS), min_size=1, max_size=2),
     st.lists(st.sampled_from(PATTERNS), max_size=2),
@@ -449,6 +411,7 @@ drawn_rules = st.builds(
     st.floats(0.01, 0.2),
     st.tuples(*[st.sampled_from([0.0, 0.0, 0.5, 1.5])] * 3),
     st.sampled_from(['', 'enter', 'keep']),
+    st.booleans(),
 )
 pair = st.tuples(
     st.tuples(st.integers(0, 5), st.integers(0, 5)),
@@ -462,7 +425,20 @@ cycles = st.tuples(
     st.sets(st.integers(0, 3), max_size=2),
     st.sets(st.integers(0, 3), max_size=1),
     st.sets(st.integers(0, 3), max_size=1),
+    st.lists(st.tuples(st.integers(0, 4), st.integers(0, 1)), max_size=4),  # acknowledged
 )
+
+
+def acknowledge(watch, referee, off):
+    """Acknowledge the last entering of a rule, or one that is ``off`` by a number."""
+    sequence = referee.sequence + off
+    if referee.acknowledge(sequence):
+        assert watch.acknowledge(referee.rule.name, sequence) == []
+        return
+    before = watch.states()
+    with pytest.raises(RuleError):
+        watch.acknowledge(referee.rule.name, sequence)
+    assert watch.states() == before
 
 
 @settings(max_examples=300, deadline=None)
@@ -487,8 +463,10 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
             with pytest.raises(RuleError):
                 watch.add([made])
     now, sequence = 0.0, 1
-    for seconds, pairs, stale, absent, lost in story:
+    for seconds, pairs, stale, absent, lost, acknowledged in story:
         now += seconds
+        for number, off in acknowledged:
+            acknowledge(watch, referees[number % len(referees)], off) if referees else None
         seen = [p for p in pairs if matrix[p[0]]]
         args = [(*p[0], p[1], p[2]) for p in seen]
         speeds = [p[3] for p in seen]
@@ -507,6 +485,11 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
         assert [e.rule for e in events] == of_referee
         entered = {r.rule.name: r.is_entered for r in referees}
         assert all(e.is_entered == entered[e.rule] for e in events)
+        for event, referee in itertools.product(events, referees):
+            if event.is_entered and event.rule == referee.rule.name:
+                referee.sequence = event.sequence
+        states = [(s.awaits_acknowledgement, s.entered_sequence) for s in watch.states()]
+        assert states == [(r.awaits, r.sequence) for r in referees]
         assert [e.sequence for e in events] == list(range(sequence, sequence + len(events)))
         sequence += len(events)
 

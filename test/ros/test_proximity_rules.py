@@ -300,3 +300,60 @@ def test_a_monitor_wants_its_rules(client):
     monitor = ProximityMonitor(client.node, '/ruled', rules=['hands of'])
     client.wait_for(lambda: monitor.rules, 'the states')
     assert "no proximity rule 'hands of'; nearest: 'hands off'" in monitor.why_stop()
+
+
+def test_a_latched_stop_waits_for_somebody_who_saw_it(client):
+    rule = msg.ProximityRule(name='latched', set_a=['arm'], set_b=['post'], level=3, leave=0.1)
+    rule.enter, rule.acknowledge = 0.05, True
+    monitor = ProximityMonitor(client.node, '/ruled', rules=['latched'])
+    hand = Hand(client)
+    hand.until(1.0, lambda: standing_of(monitor, STOP) == (False, False), 'a pose')
+    accepted(client.call(srv.AddProximityRule, 'add_proximity_rule', rule=rule))
+    hand.until(0.0, lambda: standing_of(monitor, 'latched') == (True, False), 'it to be entered')
+    event = monitor.rules['latched'].entered_sequence
+    hand.until(1.0, lambda: standing_of(monitor, 'latched') == (True, True), 'its cause to go')
+    assert monitor.why_stop() == 'latched: near, to be acknowledged'
+    assert monitor.speed_scale == 0.0
+
+    def acknowledge(name, sequence):
+        fields = {'name': name, 'sequence': sequence}
+        return client.call(srv.AcknowledgeRule, 'acknowledge_rule', **fields)
+
+    refused(acknowledge('latched', event + 1), f'by event {event}')
+    refused(acknowledge(STOP, event), 'no key acknowledge')
+    refused(acknowledge('latch', event), "nearest: 'latched'")
+    assert standing_of(monitor, 'latched') == (True, True)
+    future = monitor.acknowledge('latched')
+    client.wait_for(future.done, 'the answer')
+    accepted(future.result())
+    hand.until(1.0, lambda: not monitor.why_stop(), 'it to be left')
+    refused(acknowledge('latched', event), 'not entered')
+    told = accepted(client.call(srv.ListProximityRules, 'list_proximity_rules')).states
+    assert dict(zip(told.rules.name, told.rules.acknowledge, strict=True))['latched']
+
+
+def standing_of(monitor, name):
+    """Return whether a rule is entered, and whether it waits to be acknowledged."""
+    rule = monitor.rules.get(name)
+    return rule and (rule.entered, rule.awaits_acknowledgement)
+
+
+def test_a_node_begins_with_its_latched_rules_entered(tmp_path):
+    text = SCENE.replace('leave: 0.1}', 'leave: 0.1, acknowledge: true, when_stale: keep}')
+    text = text.replace('static: false', 'pose: {position: [1, 0, 0]}')
+    (tmp_path / 'cell.yaml').write_text(text)
+    process = start_node(tmp_path / 'log', name='again', scene_file=tmp_path / 'cell.yaml')
+    client = Client('/again')
+    try:
+        states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+        awaits = lambda: states and list(states[-1].awaits_acknowledgement) == [True, False]  # noqa: E731
+        client.wait_for(awaits, 'the latch')
+        assert standing(states)[STOP]
+        event = states[-1].entered_sequence[0]
+        assert event > 0
+        answer = client.call(srv.AcknowledgeRule, 'acknowledge_rule', name=STOP, sequence=event)
+        accepted(answer)
+        client.wait_for(lambda: not standing(states)[STOP], 'it to be left')
+    finally:
+        client.close()
+        assert process.end() == 0, process.output()

@@ -38,6 +38,7 @@ def rule_from_message(message: Any) -> ProximityRule:
         **{name: float(getattr(message, name)) for name in _NUMBERS},
         when_stale=message.when_stale,
         scale=scale,
+        acknowledge=bool(message.acknowledge),
     )
 
 
@@ -55,6 +56,7 @@ def rules_from_message(message: Any) -> list[ProximityRule]:
             **{field: float(getattr(message, field)[k]) for field in _NUMBERS},
             when_stale=message.when_stale[k],
             scale=scales[k],
+            acknowledge=bool(message.acknowledge[k]),
         )
         for k, name in enumerate(message.name)
     ]
@@ -78,6 +80,7 @@ def fill_rules(message: Any, rules: Sequence[ProximityRule]) -> None:
     message.name = [rule.name for rule in rules]
     message.level = uint8s(np.array([rule.level for rule in rules]))
     message.when_stale = [rule.when_stale for rule in rules]
+    message.acknowledge = [rule.acknowledge for rule in rules]
     for field in _NUMBERS:
         setattr(message, field, floats(np.array([getattr(rule, field) for rule in rules])))
     for field in ('set_a', 'set_b', 'scale'):
@@ -134,3 +137,5 @@ def fill_states(message: Any, states: RuleStates) -> None:
     message.entered, message.why = states.is_entered.tolist(), uint8s(states.why)
     message.pairs, message.left_out_pairs = unsigned(states.pairs), unsigned(states.left_out)
     message.trouble = states.trouble
+    message.awaits_acknowledgement = states.awaits_acknowledgement.tolist()
+    message.entered_sequence = unsigned(states.entered_sequence)

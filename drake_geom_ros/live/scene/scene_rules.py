@@ -119,7 +119,11 @@ class SceneRules:
 
         Returns the last one; raises RuleError for others.
         """
-        self._add(list(rules))
+        new = list(rules)
+        prepared = self._prepared_for((*self.rules, *new))
+        self._monitor.add(new, prepared and prepared.watched)
+        self._changed()
+        self._narrowed = prepared and prepared.narrowed
         return self._monitor.states()[-1]
 
     def take(self, rules: Sequence[ProximityRule]) -> list[str]:
@@ -128,12 +132,36 @@ class SceneRules:
         Returns what is wrong with those that can never be entered as the scene is.
         """
         others = self._replaced_by(rules)
-        if others:
-            self._happened += self._monitor.remove(*others)
+        stay = {rule.name for rule in self.rules}.difference(others)
+        new = [rule for rule in rules if rule.name not in stay]
+        if not new:
+            return []
+        prepared = self._prepared_for(self.after(rules))
+        events, released = self._monitor.exchange(others, new, prepared and prepared.watched)
+        self._happened += events
+        self._changed()
+        self._narrowed = prepared and prepared.narrowed
+        troubles = self._monitor.watched.trouble[len(self.rules) - len(new) :]
+        return [*filter(None, troubles), *released]
+
+    def acknowledge(self, name: str, sequence: int) -> None:
+        """Let a latched rule be left that the event of this number entered.
+
+        Raises the RuleError of ``RuleMonitor.acknowledge``.
+        """
+        before = self.rules
+        self._happened += self._monitor.acknowledge(name, sequence)
+        self.revision += 1
+        if self.rules != before:
             self._changed()
-        there = {rule.name for rule in self.rules}
-        new = [rule for rule in rules if rule.name not in there]
-        return self._add(new, may_wait=True) if new else []
+
+    def unacknowledged(self) -> dict[str, int]:
+        """Return by latched rule the event that entered it, and that has to be acknowledged."""
+        return self._monitor.unacknowledged()
+
+    def begin_entered(self) -> None:
+        """Enter latched rules by the next decision: nobody knows what was before the node."""
+        self._monitor.begin_entered()
 
     def after(
         self, taken: Sequence[ProximityRule], removed: Collection[str] = ()
@@ -148,14 +176,6 @@ class SceneRules:
         """Return the names of the rules whose place others take."""
         present = {rule.name: rule for rule in self.rules}
         return [rule.name for rule in rules if present.get(rule.name, rule) != rule]
-
-    def _add(self, rules: Sequence[ProximityRule], *, may_wait: bool = False) -> list[str]:
-        """Add rules; return the troubles of those that can never be entered."""
-        prepared = self._prepared_for((*self.rules, *rules))
-        troubles = self._monitor.add(rules, prepared and prepared.watched, may_wait=may_wait)
-        self._changed()
-        self._narrowed = prepared and prepared.narrowed
-        return troubles
 
     def _prepared_for(self, rules: tuple[ProximityRule, ...]) -> BoundRules | None:
         """Return what was prepared for these rules about the scene as it is; None: nothing was."""
@@ -350,10 +370,10 @@ class SceneRules:
         farthest: float = math.inf,
     ) -> None:
         poses = Poses(*map(self._rows, unreliable))
-        changes = self._monitor.changes_of_why
+        changes = self._monitor.changes_of_state
         events = self._monitor.decide(now, poses, measured, farthest)
         self._happened += events
-        self.revision += len(events) + self._monitor.changes_of_why - changes
+        self.revision += len(events) + self._monitor.changes_of_state - changes
 
     def take_events(self) -> list[Event]:
         """Return what happened since this was last called."""
@@ -425,7 +445,12 @@ class SceneRules:
     def in_words(self) -> str:
         """Return how many rules there are, and which are entered."""
         states = self.states()
-        entered = [f'{s.rule.name} ({s.why.name.lower()})' for s in states if s.why is not None]
+        entered = [
+            f'{s.rule.name} ({s.why.name.lower()}'
+            f'{", to be acknowledged" if s.awaits_acknowledgement else ""})'
+            for s in states
+            if s.why is not None
+        ]
         return f'{len(states)}, entered: {some_of(entered) or "none"}' if states else 'none'
 
     def speed_scale(self) -> float | None:

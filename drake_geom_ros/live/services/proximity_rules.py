@@ -35,15 +35,40 @@ def add_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
 
 
 def remove_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
-    """Remove a rule."""
+    """Remove a rule; the message says so where nobody acknowledged that it was entered."""
     name = request.name
 
-    def then(scene: HeldScene, _: None) -> None:
+    def then(scene: HeldScene, _: None) -> str:
         scene.bind_rules()
+        event = scene.rules.unacknowledged().get(name)
         scene.rules.remove(name)
         scene.log.notes.append(f'proximity rule {name!r} removed')
+        if event is None:
+            return ''
+        told = f'proximity rule {name!r} was entered by event {event}, and nobody acknowledged it'
+        scene.log.warnings.append(f'{told}; it was removed')
+        return told
 
-    live.change(Change(unchanged, then=then, rules_gone=[name], same_content=True))
+    change = Change(unchanged, then=then, rules_gone=[name], same_content=True)
+    response.message = live.change(change)
+
+
+def acknowledge_rule(live: LiveScene, request: Any, response: Any) -> None:
+    """Let a latched rule be left that was entered by the event that the request names."""
+    with live.editing() as scene:
+        scene.bind_rules()
+        waiting = {s.rule.name for s in scene.rules.states() if s.awaits_acknowledgement}
+        is_clear = request.name in waiting
+        scene.rules.acknowledge(request.name, request.sequence)
+        scene.log.notes.append(
+            f'proximity rule {request.name!r}: event {request.sequence} was acknowledged'
+        )
+        if request.name not in {rule.name for rule in scene.rules.rules}:
+            response.message = 'it has ended: nothing is left of what it was about'
+        elif is_clear:
+            response.message = 'it is left by the next decision'
+        else:
+            response.message = 'its cause persists; it is left when that has gone'
 
 
 def list_proximity_rules(live: LiveScene, request: Any, response: Any) -> None:

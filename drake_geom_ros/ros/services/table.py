@@ -40,6 +40,7 @@ CHANGES: tuple[tuple[str, Any, Handler], ...] = (
     ('flatten_filters', Trigger, filters.flatten_filters),
     ('add_proximity_rule', srv.AddProximityRule, proximity_rules.add_proximity_rule),
     ('remove_proximity_rule', srv.RemoveProximityRule, proximity_rules.remove_proximity_rule),
+    ('acknowledge_rule', srv.AcknowledgeRule, proximity_rules.acknowledge_rule),
     ('add_camera', srv.AddCamera, cameras.add_camera),
     ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
 )

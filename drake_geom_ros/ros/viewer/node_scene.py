@@ -230,7 +230,7 @@ class NodeScene:
                 rule.name,
                 rule.level,
                 message.entered[k],
-                _why(message.why[k]) or message.trouble[k],
+                _why(message.why[k], message.awaits_acknowledgement[k]) or message.trouble[k],
                 nearest.get(k),
             )
             for k, rule in enumerate(rules)
@@ -292,5 +292,6 @@ class NodeScene:
         return answer
 
 
-def _why(number: int) -> str:
-    return Why(number).name.lower().replace('_', ' ') if number else ''
+def _why(number: int, awaits_acknowledgement: bool) -> str:
+    why = Why(number).name.lower().replace('_', ' ') if number else ''
+    return f'{why}, to be acknowledged' if awaits_acknowledgement else why

@@ -29,6 +29,7 @@ def rules(draw):
         **{name: draw(seconds) for name in ('hold', 'enter_after', 'min_time_to_contact')},
         when_stale=draw(st.sampled_from(['', 'enter', 'keep'])),
         scale=draw(st.just(()) | scales) if level == Level.SLOW else (),
+        acknowledge=draw(st.booleans()),
     )
 
 

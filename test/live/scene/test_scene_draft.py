@@ -121,7 +121,7 @@ def apply(live):
 def add_rule(live):
     rule = Plain(
         name='more', set_a=['s::a'], set_b=['rest'], level=3, enter=0.01, leave=0.02, hold=0.0,
-        enter_after=0.0, min_time_to_contact=0.0, when_stale='', scale=[],
+        enter_after=0.0, min_time_to_contact=0.0, when_stale='', scale=[], acknowledge=False,
     )  # fmt: skip
     proximity_rules.add_proximity_rule(live, Plain(rule=rule), Plain())
 

@@ -17,8 +17,13 @@ from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import begin_with_maps
+from drake_geom_ros.live.services.proximity_rules import (
+    acknowledge_rule,
+    list_proximity_rules,
+    remove_proximity_rule,
+)
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.proximity_rules import Why
+from drake_geom_ros.proximity_rules import RuleError, Why
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
 TEXT = """
@@ -294,3 +299,98 @@ def test_a_scene_with_a_source_called_as_that_of_maps_is_refused_beside_maps():
         with pytest.raises(RuntimeError, match="has a source 'obstacles'"):
             begin_with_maps(scene, described, ['points'])
         assert scene.maps.by_name == {}
+
+
+LATCHED = TEXT.replace('level: warn,', 'level: stop, acknowledge: true,')
+
+
+def latched_by_its_cause():
+    """Return a scene whose rule about the hand is entered, and its cause gone."""
+    ruled = Ruled(LATCHED, stale_after=1e6)
+    for place in (1.0, 0.2, 1.0):
+        ruled.move(place)
+        ruled.wait()
+    return ruled
+
+
+def state_of(ruled, name='hand'):
+    """Return whether a rule is entered, awaits to be acknowledged, and by which event."""
+    with ruled.live.reading() as scene:
+        answer = Plain(states=msg.ProximityStates())
+        list_proximity_rules(ruled.live, Plain(), answer)
+        assert [r.name for r in scene.rules.rules] == answer.states.rules.name
+    states, k = answer.states, answer.states.rules.name.index(name)
+    return states.entered[k], states.awaits_acknowledgement[k], states.entered_sequence[k]
+
+
+def acknowledge(ruled, sequence, name='hand'):
+    answer = Plain(message='')
+    acknowledge_rule(ruled.live, Plain(name=name, sequence=sequence), answer)
+    return answer.message
+
+
+def test_a_latched_rule_is_published_as_what_it_is_until_it_is_acknowledged():
+    ruled = latched_by_its_cause()
+    entered, awaits, event = state_of(ruled)
+    assert (entered, awaits) == (True, True)
+    assert ruled.wait() == []
+    with ruled.live.reading() as scene:
+        assert scene.rules.in_words() == '2, entered: hand (near, to be acknowledged)'
+    states = ruled.topics.states.published[-1]
+    assert list(states.awaits_acknowledgement) == [True, False]
+    assert list(states.entered_sequence) == [event, 0]
+    assert list(states.rules.acknowledge) == [True, False]
+    with pytest.raises(RuleError, match=f'by event {event}'):
+        acknowledge(ruled, event + 1)
+    assert ruled.wait() == []
+    assert acknowledge(ruled, event) == 'it is left by the next decision'
+    assert ruled.wait() == [('hand', False)]
+    assert state_of(ruled) == (False, False, event)
+    ruled.wait()
+    assert not ruled.topics.states.published[-1].awaits_acknowledgement[0]
+
+
+def test_a_scene_that_is_loaded_anew_releases_no_latch():
+    ruled = latched_by_its_cause()
+    event = state_of(ruled)[2]
+    changed = LATCHED.replace('acknowledge: true', 'acknowledge: true, hold: 0.5')
+    for text in (changed, LATCHED):
+        ruled.live.replace_all(read_scene(text))
+        ruled.move(1.0)
+        assert ('hand', False) not in ruled.wait()
+        assert state_of(ruled)[::2] == (True, event)
+    ruled.live.replace_all(read_scene(TEXT[: TEXT.index('geometries')]))
+    assert ('hand', False) not in ruled.wait()
+    assert state_of(ruled)[::2] == (True, event)  # though nothing is left that it is about
+    acknowledge(ruled, event)
+    ruled.wait()
+    assert ruled.topics.events.published[-1].why[-1] == Why.GONE
+
+
+def test_a_rule_without_a_latch_in_the_place_of_a_latched_one_is_warned_of():
+    ruled = latched_by_its_cause()
+    ruled.live.replace_all(read_scene(TEXT))
+    with ruled.live.editing() as scene:
+        assert any('was entered and not acknowledged' in text for text in scene.log.take()[1])
+    assert ('hand', False) in ruled.wait()
+
+
+def test_removing_a_latched_rule_says_that_nobody_acknowledged_it():
+    ruled = latched_by_its_cause()
+    answer, event = Plain(message=''), state_of(ruled)[2]
+    remove_proximity_rule(ruled.live, Plain(name='hand'), answer)
+    assert f'entered by event {event}, and nobody acknowledged it' in answer.message
+    assert ruled.wait() == [('hand', False)]
+
+
+def test_latches_of_a_scene_that_a_node_begins_with_are_entered():
+    ruled = Ruled(LATCHED, stale_after=1e6)
+    with ruled.live.editing() as scene:
+        scene.rules.begin_entered()
+    ruled.move(1.0)
+    event = state_of(ruled)[2]
+    assert state_of(ruled) == (True, False, event)
+    ruled.wait()
+    assert state_of(ruled) == (True, True, event)
+    acknowledge(ruled, event)
+    assert ruled.wait() == [('hand', False)]

@@ -407,9 +407,22 @@ def transient(site):
 
 def add_rule(site):
     rule = msg.ProximityRule(
-        name='more', set_a=['much'], set_b=['mover'], level=3, enter=0.05, leave=0.1
+        name='more', set_a=['much'], set_b=['mover'], level=3, enter=100.0, leave=101.0
     )
+    rule.acknowledge = True
     site.call('add_proximity_rule', rule=rule)
+
+
+def acknowledge_rule(site):
+    """Acknowledge the rule that was added, once it is entered."""
+
+    def is_acknowledged():
+        states = site.call('list_proximity_rules').states
+        event = states.entered_sequence[states.rules.name.index('more')]
+        fields = {'name': 'more', 'sequence': event}
+        return site.client.call(srv.AcknowledgeRule, 'acknowledge_rule', **fields).success
+
+    site.until(site.cycle, is_acknowledged, 'the rule to be acknowledged')
 
 
 def check_motion(site):
@@ -483,6 +496,7 @@ CALLS = {
     'flatten_filters': lambda site: accepted(site.client.call(Trigger, 'flatten_filters')),
     'add_proximity_rule': add_rule,
     'list_proximity_rules': lambda site: site.call('list_proximity_rules'),
+    'acknowledge_rule': acknowledge_rule,
     'remove_proximity_rule': lambda site: site.call('remove_proximity_rule', name='more'),
     'add_camera': lambda site: site.call('add_camera', camera=camera()),
     'list_cameras': lambda site: site.call('list_cameras'),
