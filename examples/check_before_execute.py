@@ -1,12 +1,19 @@
 """Prove a trajectory before it runs, and its rest again whenever the scene changes.
 
     ./run exec python examples/check_before_execute.py
+    ./run exec python examples/check_before_execute.py --server /scene_graph
 
 Ruckig (PyPI: ruckig) plans a way with limited jerk. What a controller would get, points with
 velocities and accelerations, is proved clear along the quintics that it follows. While it runs, a
 box is pushed into its way, a centimetre each 20 ms: at each step the rest is proved anew, from
 where the arm is by then, until it is not clear any more, which leaves the time to stop.
+
+With ``--server`` a running node (parameter ``use_joint_states``) watches the trajectory instead,
+and judges its rest whenever the box has moved.
 """
+
+import argparse
+import time
 
 import numpy as np
 from ruckig import InputParameter, Ruckig, Trajectory
@@ -26,7 +33,8 @@ robots:
   srdf: {PANDA}/srdf/panda.srdf
   pose: {{}}
   configuration: {{panda_joint1: -1.0, panda_joint2: 0.3, panda_joint3: 0, panda_joint4: -1.8,
-    panda_joint5: 0, panda_joint6: 2.1, panda_joint7: 0.785, panda_finger_joint1: 0.02}}
+    panda_joint5: 0, panda_joint6: 2.1, panda_joint7: 0.785}}
+  held_joints: {{panda_finger_joint1: 0.02}}
 frames:
 - {{name: box, source: things, pose: {{position: [0.55, 1.1, 0.5]}}}}
 geometries:
@@ -60,8 +68,68 @@ def message(trajectory, begin):
     return JointTrajectory(times, *np.swapaxes(points, 0, 1)[:3])
 
 
+def watch_by_node(server):
+    """Let a node check and watch the trajectory, while the arm follows it and the box moves."""
+    from sensor_msgs.msg import JointState
+
+    from drake_geom_ros.client import SceneGraphClient
+
+    trajectory = planned()
+    points = message(trajectory, 0.0)
+    way = {'joint_names': NAMES, 'path': points.positions, 'times': points.times}
+    way |= {'velocities': points.velocities, 'accelerations': points.accelerations}
+    with SceneGraphClient(server) as client:
+        client.call('load_scene', text=SCENE, replace=True)
+        states = client.node.create_publisher(JointState, '/joint_states', 10)
+        client.wait_for(states.get_subscription_count, 'a node with use_joint_states')
+        clock = client.node.get_clock()
+
+        def follow(elapsed):
+            """Report the joints where the trajectory has them, and push the box."""
+            report = JointState(name=NAMES, position=trajectory.at_time(elapsed)[0])
+            report.header.stamp = clock.now().to_msg()
+            states.publish(report)
+            X_WB = RigidTransform([0.55, 1.1 - SPEED * elapsed, 0.5])
+            client.publish_poses({'things::box': X_WB})
+
+        def heard():
+            follow(0.0)
+            return client.joint_states()[NAMES[0]].age < 1.0
+
+        client.wait_for(heard, 'the node to hear of the joints')
+        before = client.check_motion(**way, min_distance=CLEARANCE, allow_stale=True)
+        print(f'{trajectory.duration:.2f} s, before it runs: {before.outcome}')
+        begin = clock.now()
+        name = client.watch_trajectory(
+            **way, start=begin.nanoseconds / 1e9, min_distance=CLEARANCE, time_budget=0.05
+        )
+        elapsed = 0.0
+        while elapsed < trajectory.duration:
+            follow(elapsed)
+            state = client.trajectory_states().get(name)
+            if state is not None and state.outcome == 'contact':
+                print(f'at {elapsed:.2f} s the rest is not clear: contact of {state.names}')
+                print(f'at {state.last_free:.2f} s it is nearer than {CLEARANCE} m: time to stop')
+                client.unwatch_trajectory(name)
+                return
+            time.sleep(STEP)
+            elapsed = (clock.now() - begin).nanoseconds / 1e9
+        print('it ran to its end')
+
+
 def main():
     """Prove, run and watch."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--server', help='name of a running node that watches, /scene_graph')
+    server = parser.parse_args().server
+    if server:
+        watch_by_node(server)
+    else:
+        watch_here()
+
+
+def watch_here():
+    """Prove the trajectory and its rest in this process."""
     scene_graph = SceneGraph()
     loaded = load_scene(SCENE, scene_graph)
     joints, box = Joints.of(loaded, NAMES), loaded.frames['things', 'box']

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 
@@ -25,6 +27,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.queries.motion_queries import (
+    NOTHING_PROVED,
     JointPath,
     MotionAnswer,
     MotionQueries,
@@ -38,6 +41,7 @@ from drake_geom_ros.trajectories.joint_spline import EDGES, JointSpline
 
 Booleans = NDArray[np.bool_]
 _PART = 256  # edges that are checked in one call, which Ctrl-C and other threads wait for
+_SHORT_PART = 4 * EDGES  # of a check within a time, whose proof counts part by part
 
 
 def check_path(
@@ -228,12 +232,26 @@ class PathChecker:
         It is refused where it leaves the limits of a joint, between two points too.
         """
         self._refuse_another_scene()
+        self.refuse_limits(spline)
+        return _by_points(self._check(spline.path()))
+
+    def check_spline_within(
+        self, spline: JointSpline, seconds: float, must_stop: Callable[[], bool]
+    ) -> MotionCheck:
+        """Return the result for a spline as far as a time [s] of computing goes; inf: to its end.
+
+        What was proved by then counts, and the rest is 'unknown'. Limits of joints are not looked
+        at (``refuse_limits`` does), and no other thread may use the checker meanwhile. Raises
+        InterruptedError soon after ``must_stop()`` is true, which is asked now and then.
+        """
+        self._refuse_another_scene()
+        return _by_points(self._check_within(spline.path(), seconds, must_stop))
+
+    def refuse_limits(self, spline: JointSpline) -> None:
+        """Raise ArgumentError for a spline that leaves limits, unless these are ignored."""
         self._rows_of(spline.positions)
         if not self._ignore_limits:
             self._refuse_overshoot(spline)
-        check = self._check(spline.path())
-        first, last = check.times
-        return replace(check, times=(first / EDGES, last / EDGES), time=check.time / EDGES)
 
     def check_each(self, paths: Iterable[ArrayLike], threads: int = 0) -> list[MotionCheck]:
         """Return the result for each path, by threads (0: one for each core); raises as above."""
@@ -318,6 +336,49 @@ class PathChecker:
                 answer = _joined(answer, pool.map(later, parts))
         return MotionCheck.of(answer, self._prepared.ids)
 
+    def _check_within(
+        self, path: JointPath, seconds: float, must_stop: Callable[[], bool]
+    ) -> MotionCheck:
+        """Return the result for a path, part by part until a time [s] is over."""
+        end, edges = time.monotonic() + seconds, len(path.rows) - 1
+        answer, queries = NOTHING_PROVED, self._queries()
+        skipped: Booleans | None = None
+        with self._halting_after(seconds):
+            for first in range(0, edges, _SHORT_PART):
+                if must_stop():
+                    raise InterruptedError(f'stopped in edge {first} of a path')
+                part = first, min(first + _SHORT_PART, edges)
+                try:
+                    if time.monotonic() >= end:
+                        raise InterruptedError
+                    checked = queries.follow(self._question, path, part, skipped)
+                except InterruptedError:
+                    answer = replace(answer, outcome='unknown', times=(first, edges))
+                    break
+                answer = checked if skipped is None else _joined(answer, [checked])
+                if answer.outcome != 'clear':
+                    break
+                skipped = queries.skipped() if skipped is None else skipped
+        return MotionCheck.of(answer, self._prepared.ids)
+
+    @contextmanager
+    def _halting_after(self, seconds: float) -> Iterator[None]:
+        """Have checks end with InterruptedError after a time [s]; inf: never."""
+        timer = threading.Timer(min(seconds, threading.TIMEOUT_MAX), self._halt)
+        timer.daemon = True
+        if seconds < math.inf:
+            timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+            if timer.ident is not None:
+                timer.join()
+            self._stop[0] = 0
+
+    def _halt(self) -> None:
+        self._stop[0] = 1
+
     def _part(
         self, question: MotionQuestion, path: JointPath, skipped: Booleans, part: tuple[int, int]
     ) -> MotionAnswer:
@@ -343,6 +404,12 @@ class PathChecker:
             if answer.outcome != 'clear':
                 break
         return answer
+
+
+def _by_points(check: MotionCheck) -> MotionCheck:
+    """Return a result about the edges of a spline with times by its points."""
+    first, last = check.times
+    return replace(check, times=(first / EDGES, last / EDGES), time=check.time / EDGES)
 
 
 def _joined(answer: MotionAnswer, parts: Iterable[MotionAnswer]) -> MotionAnswer:

@@ -45,6 +45,7 @@ from drake_geom_ros.client.services import (
     joint_positions,
 )
 from drake_geom_ros.client.states import States
+from drake_geom_ros.client.trajectories import TrajectoryState, TrajectoryStates
 
 __all__ = [
     'SceneGraphClient',
@@ -73,6 +74,8 @@ __all__ = [
     'UnknownNameError',
     'States',
     'Motion',
+    'TrajectoryState',
+    'TrajectoryStates',
     'ProximityMonitor',
     'ProximityEvent',
     'RuleStanding',

@@ -42,6 +42,7 @@ from drake_geom_ros.client.services import (
     limit,
 )
 from drake_geom_ros.client.states import Progress, States, StatesRequest
+from drake_geom_ros.client.trajectories import TrajectoryState, TrajectoryStates
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
@@ -73,13 +74,14 @@ class SceneGraphClient:
     """
 
     def __init__(self, server: str = '/scene_graph', patience: float = 30.0) -> None:
-        self._patience = patience
+        self._patience, self._server = patience, server
         self._context = rclpy.Context()
         rclpy.init(context=self._context)
         name = f'scene_graph_client_{os.getpid()}_{time.monotonic_ns()}'
         self.node = rclpy.create_node(name, context=self._context)
         self.listener = SceneListener(self.node, server)
         self.services = Services(self.node, server)
+        self._trajectories: TrajectoryStates | None = None
         self._poses = self.node.create_publisher(msg.FramePoses, f'{server}/frame_poses', 10)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
@@ -398,6 +400,64 @@ class SceneGraphClient:
         if not allow_stale:
             refuse_stale('check_motion', motion.stale_frames)
         return motion
+
+    def watch_trajectory(
+        self,
+        joint_names: Sequence[str],
+        path: ArrayLike,
+        times: ArrayLike,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        *,
+        name: str = '',
+        start: float | None = None,
+        min_distance: float = 0.0,
+        profile: str = '',
+        deviation_tolerance: float = 0.0,
+        time_budget: float = 0.0,
+        accuracy: str = '',
+        ignore_start_contacts: bool = False,
+        ignore_limits: bool = False,
+        ignore_foreign_joints: bool = False,
+    ) -> str:
+        """Have the node judge the rest of a trajectory that runs at each change of the scene.
+
+        The trajectory is that of ``check_motion``, and starts at ``start`` [s] of the node's time
+        (None: now). A judgement ends after ``time_budget`` [s] (0: no limit). Joints farther than
+        ``deviation_tolerance`` (0: 0.05) from the trajectory are reported, and nothing is clear
+        then. Returns the name under which ``trajectory_states`` reports it; a running one of that
+        ``name`` is replaced.
+        """
+        rows = np.asarray(path, dtype=np.float64)
+        trajectory = joint_trajectory(joint_names, rows, times, velocities, accelerations)
+        if start is not None:
+            trajectory.header.stamp = Time(nanoseconds=round(start * 1_000_000_000)).to_msg()
+        answer = self.call(
+            'watch_trajectory',
+            name=name,
+            path=trajectory,
+            min_distance=float(min_distance),
+            profile=profile,
+            deviation_tolerance=float(deviation_tolerance),
+            time_budget=float(time_budget),
+            accuracy=accuracy,
+            ignore_start_contacts=ignore_start_contacts,
+            ignore_limits=ignore_limits,
+            ignore_foreign_joints=ignore_foreign_joints,
+        )
+        return str(answer.name)
+
+    def unwatch_trajectory(self, name: str) -> None:
+        """End the watch of a trajectory."""
+        self.call('unwatch_trajectory', name=name)
+
+    def trajectory_states(self) -> dict[str, TrajectoryState]:
+        """Return the last states of the watched trajectories by name; wait for the first ones."""
+        if self._trajectories is None:
+            self._trajectories = TrajectoryStates(self.node, self._server)
+        listener = self._trajectories
+        self.wait_for(lambda: listener.last is not None, 'the topic ~/trajectory_states')
+        return dict(listener.last or {})
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty if it is not."""

@@ -22,6 +22,7 @@ class CallbackGroups(NamedTuple):
     images: CallbackGroup  # what cameras see
     planning: CallbackGroup  # many states at once
     motions: CallbackGroup  # whole motions
+    watching: CallbackGroup  # trajectories that run
     obstacles: CallbackGroup  # what sensors see
     tracked: CallbackGroup  # bodies that trackers see
 
@@ -31,7 +32,7 @@ class CallbackGroups(NamedTuple):
         Return whether none is, for it does not wait for ever.
         """
         end = time.monotonic() + LONGEST_FAREWELL
-        queries = self.beside, self.images, self.planning, self.motions
+        queries = self.beside, self.images, self.planning, self.motions, self.watching
         threads = *queries, self.changes, self.loading
         while any(map(_at_work, threads)):
             if time.monotonic() > end:

@@ -33,6 +33,8 @@ from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import NamedSource
 from drake_geom_ros.live.services.state_validity import check_state_validity
+from drake_geom_ros.live.watching import trajectory_watch
+from drake_geom_ros.live.watching.trajectory_watch import Logs, TrajectoryWatch
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
@@ -56,6 +58,7 @@ from drake_geom_ros.ros.services.table import (
     MOTIONS,
     PLANNING,
     STATE_VALIDITY,
+    WATCHING,
 )
 from drake_geom_ros.ros.shown import ShownOutputs
 from drake_geom_ros.ros.surface import (
@@ -95,13 +98,8 @@ class ConfiguredNode:
         obstacle_sources: Mapping[str, NamedSource],
     ) -> None:
         """Open everything on ``surface``, which the caller closes where this raises."""
-        self.live = live
-        self._node = node
-        self._surface = surface
-        self._groups = groups
-        self._settings = settings
-        self._guard = guard
-        self._diagnostics = diagnostics
+        self.live, self._node, self._surface, self._groups = live, node, surface, groups
+        self._settings, self._guard, self._diagnostics = settings, guard, diagnostics
         publishers = topics.publishers(surface)
         self._costs = LevelCosts(live, publishers['~/cycle_report'])
         self._replays = Replays(self._replay_settings)
@@ -115,7 +113,9 @@ class ConfiguredNode:
         )
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
-        beside = (*self._beside.values(), self._cameras.beside, decided)
+        judged = trajectory_watch.effect()
+        self._watch = _trajectory_watch(live, publishers, node.get_logger(), judged)
+        beside = (*self._beside.values(), self._cameras.beside, decided, judged)
         self._cycle = Cycle(
             messages,
             {name: publishers[f'~/{name}'] for name in CYCLE_TOPICS},
@@ -162,6 +162,7 @@ class ConfiguredNode:
         with self.live.editing() as scene:
             scene.rules.measure_again()
             self._rules.forget()
+        self._watch.forget()
         self._stream.active = True
         self._guard.attempt(self._publish_scene)
 
@@ -265,6 +266,9 @@ class ConfiguredNode:
             for name, kind, handler in services:
                 serve = partial(self._guard.answer, handler, self.live)
                 self._surface.service(kind, f'~/{name}', serve, profile, group)
+        for name, kind, handle in WATCHING:
+            serve = partial(self._guard.answer, handle, self._watch)
+            self._surface.service(kind, f'~/{name}', serve, profile, groups.watching)
 
     def _open_state_validity(self, profile: QoSProfile) -> None:
         """Open the service of MoveIt's type, whose answer has no reason: that is logged."""
@@ -299,6 +303,7 @@ class ConfiguredNode:
             (level_costs.PERIOD, self._costs.measure, beside),
             (rule_events.PERIOD, self._stream.rules_are_due, self._groups.stream),
             (replays.PERIOD, self._write_replays, beside),
+            (trajectory_watch.PERIOD, self._look_at_trajectories, self._groups.watching),
             (_HOUSEKEEPING_PERIOD, self._keep_house, None),
             (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
         ):
@@ -311,6 +316,10 @@ class ConfiguredNode:
     def _publish_scene(self) -> None:
         if self._stream.active:
             self._scene_topic.publish()
+
+    def _look_at_trajectories(self) -> None:
+        if self._stream.active:
+            self._watch.look()
 
     def _take_images(self) -> None:
         if self._stream.active:
@@ -387,6 +396,19 @@ class ConfiguredNode:
             self._node.get_logger().warning(_NO_CLOCK, once=True)
         message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
+
+
+def _trajectory_watch(
+    live: LiveScene, publishers: Mapping[str, Publisher], logger: Any, judged: Beside
+) -> TrajectoryWatch:
+    """Return what judges the trajectories that run."""
+    return TrajectoryWatch(
+        live,
+        publishers['~/trajectory_states'],
+        messages.TrajectoryStates,
+        Logs(logger.info, logger.warning),
+        judged.did,
+    )
 
 
 def _beside(publishers: Mapping[str, Publisher]) -> dict[str, Beside]:

@@ -69,7 +69,7 @@ class SceneGraphNode(LifecycleNode):
         groups = self.threaded_groups
         self.background_groups = (groups.planning, groups.motions, groups.obstacles)
         preparing = groups.changes, groups.loading, groups.images, groups.tracked
-        self.patient_groups = (*preparing, *self.background_groups)
+        self.patient_groups = (*preparing, groups.watching, *self.background_groups)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values

@@ -140,6 +140,7 @@ OUTPUTS: Mapping[str, Output] = {
     '~/proximity_events': Output(msg.ProximityEvents, _events),
     '~/proximity_states': Output(msg.ProximityStates, _states),
     '~/speed_scale': Output(Float64, _speed_scale),
+    '~/trajectory_states': Output(msg.TrajectoryStates, _states),
     '~/scene': Output(msg.Scene, latched),
     '~/markers': Output(MarkerArray),
     '~/geometry_poses': Output(msg.GeometryPoses),

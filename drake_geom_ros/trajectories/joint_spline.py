@@ -108,6 +108,26 @@ class JointSpline:
         cut._powers, cut._sizes = powers[np.newaxis, 1:], self._sizes[edge : edge + 1]
         return cut
 
+    def rest(self, begin: float) -> JointSpline:
+        """Return the spline from a time [s] on; all of it where that is before its first point.
+
+        Raises ArgumentError where the last point is not later.
+        """
+        if begin <= self.times[0]:
+            return self
+        if not begin < self.times[-1]:
+            raise ArgumentError(
+                f'nothing is left at {begin:g} s of a trajectory that ends at {self.times[-1]:g} s'
+            )
+        edge = int(np.searchsorted(self.times, begin, 'right')) - 1
+        first = self.part(begin, float(self.times[edge + 1]))
+        cut = copy(self)
+        cut.times = np.concatenate((first.times[:1], self.times[edge + 1 :]))
+        cut.positions = np.concatenate((first.positions[:1], self.positions[edge + 1 :]))
+        cut._powers = np.concatenate((first._powers, self._powers[edge + 1 :]))
+        cut._sizes = np.concatenate((first._sizes, self._sizes[edge + 1 :]))
+        return cut
+
     def path(self) -> JointPath:
         """Return the path, with ``EDGES`` of equal length a segment, for a ``PathChecker``."""
         values = np.einsum('hmd,edn->ehmn', _SHIFTS, self._values())

@@ -9,7 +9,7 @@ from batch.test_path_edges import FAR, cart, row
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_geom_ros.batch import Joints, check_path, check_trajectory, evaluate
+from drake_geom_ros.batch import Joints, PathChecker, check_path, check_trajectory, evaluate
 from drake_geom_ros.geometry import (
     ArgumentError,
     SceneGraph,
@@ -139,3 +139,42 @@ def test_a_spline_that_overshoots_a_limit_is_refused_with_time_and_value(cell):
     with pytest.raises(ArgumentError, match=rf'{joints.names[column]} to .* at 0.5 s, between'):
         check_trajectory(cell.scene_graph, joints, trajectory)
     check_trajectory(cell.scene_graph, joints, trajectory, ignore_limits=True)
+
+
+def within(cell, trajectory, seconds=math.inf, must_stop=lambda: False, **options):
+    options = {'ignore_limits': True, 'ignore_start_contacts': True, **options}
+    with PathChecker(cell.scene_graph, cell.joints, **options) as checker:
+        return checker.check_spline_within(JointSpline(trajectory), seconds, must_stop)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10**6), kind=st.sampled_from(['cubic', 'quintic']))
+def test_part_by_part_the_answer_is_that_of_the_whole(cell, seed, kind):
+    trajectory = trajectory_of(cell, seed, kind, 20, 0.05)
+    options = {'ignore_limits': True, 'ignore_start_contacts': True}
+    with PathChecker(cell.scene_graph, cell.joints, **options) as checker:
+        whole = checker.check_spline(JointSpline(trajectory))
+    parts = within(cell, trajectory)
+    assert (parts.outcome, parts.times, parts.id_A) == (whole.outcome, whole.times, whole.id_A)
+    assert parts.ignored == whole.ignored
+    assert parts.lower_bound == whole.lower_bound
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10**6), seconds=st.floats(1e-9, 0.01))
+def test_what_a_time_allows_is_the_beginning_of_the_answer(cell, seed, seconds):
+    trajectory = trajectory_of(cell, seed, 'cubic', 60, 0.02)
+    whole, some = within(cell, trajectory), within(cell, trajectory, seconds)
+    assert some.times[0] <= whole.times[0]
+    if some.outcome != 'unknown':
+        assert (some.outcome, some.times) == (whole.outcome, whole.times)
+    elif whole.outcome != 'unknown':
+        assert some.id_A is None or some.times[0] > 0.0
+        assert some.times[1] == 59.0
+    # And the checker goes on as if nothing had been stopped.
+    assert within(cell, trajectory).times == whole.times
+
+
+def test_it_stops_when_it_must(cell):
+    with pytest.raises(InterruptedError):
+        within(cell, trajectory_of(cell, 3, 'cubic', 60, 0.02), must_stop=lambda: True)

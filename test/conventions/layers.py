@@ -132,6 +132,10 @@ LIVE_ROOMS = {
         (*_HELD, 'batch', 'trajectories', 'live/inputs', 'live/services'),
         ('numpy',),
     ),
+    'live/watching': (
+        (*_HELD, 'batch', 'trajectories', 'live/outputs', 'live/services', 'live/watching'),
+        ('numpy',),
+    ),
     'live': (_LIVE, ('numpy',)),
 }
 # What rclpy sees.
@@ -140,7 +144,10 @@ ROS_ROOMS = {
         (*_HELD, 'geometry/render', 'live/outputs', 'ros/outputs'),
         ('numpy', 'ROS'),
     ),
-    'ros/services': ((*_HELD, 'live/services', 'ros/services'), ('numpy', 'ROS')),
+    'ros/services': (
+        (*_HELD, 'live/services', 'live/watching', 'ros/services'),
+        ('numpy', 'ROS'),
+    ),
     'ros/sensing': ((*_LIVE, 'ros/sensing'), ('numpy', 'ROS')),
     'ros/viewer': (
         (*_CORE, 'client', 'viewing', 'viewing/page', 'live/conversions', 'ros', 'ros/viewer'),
@@ -164,7 +171,7 @@ ROS_ROOMS = {
     ),
     'ros': (
         (
-            *(*_LIVE, 'trajectories', 'cross_check', 'live/services'),
+            *(*_LIVE, 'trajectories', 'cross_check', 'live/services', 'live/watching'),
             *('ros/outputs', 'ros/services', 'ros/sensing', 'ros'),
         ),
         ('numpy', 'ROS'),

@@ -132,3 +132,22 @@ def test_a_part_is_the_spline_in_its_time(kind):
     for time in np.linspace(begin, end, 7):
         assert np.allclose(part.value(time), spline.value(time), rtol=0, atol=1e-12)
     assert len(part.path().rows) == EDGES + 1
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    kind=st.sampled_from(KINDS),
+    share=st.floats(-0.2, 1, exclude_max=True),
+)
+def test_the_rest_is_the_spline_from_a_time_on(seed, kind, share):
+    spline = JointSpline(trajectory_of(seed, kind))
+    first, last = spline.times[[0, -1]]
+    begin = min(first + share * (last - first), np.nextafter(last, -np.inf))
+    rest = spline.rest(begin)
+    assert rest.times[0] == max(begin, first)
+    assert rest.times[-1] == last
+    for time in np.linspace(rest.times[0], last, 9):
+        assert np.allclose(rest.value(time), spline.value(time), rtol=0, atol=1e-9)
+    with pytest.raises(ArgumentError, match='nothing is left'):
+        spline.rest(last)

@@ -42,7 +42,7 @@ from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
-__all__ = ['JointPath', 'MotionAnswer', 'MotionQueries', 'MotionQuestion']
+__all__ = ['NOTHING_PROVED', 'JointPath', 'MotionAnswer', 'MotionQueries', 'MotionQuestion']
 
 Booleans = NDArray[np.bool_]
 
@@ -98,6 +98,23 @@ class MotionAnswer:
     p_WCb: Floats
     evaluations: int
     ignored: int
+
+
+# Of a motion that nobody has looked at.
+NOTHING_PROVED = MotionAnswer(
+    outcome='unknown',
+    times=(0.0, math.inf),
+    time=0.0,
+    a=-1,
+    b=-1,
+    distance=math.inf,
+    error_bound=0.0,
+    lower_bound=-math.inf,
+    p_WCa=np.full(3, np.nan),
+    p_WCb=np.full(3, np.nan),
+    evaluations=0,
+    ignored=0,
+)
 
 
 class MotionQueries:

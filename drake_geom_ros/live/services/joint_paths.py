@@ -12,6 +12,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_views import JointsNow
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.trajectories import JointSpline, JointTrajectory
@@ -39,7 +40,23 @@ class TimedPath(NamedTuple):
         return np.asarray(steps.max(axis=0, initial=0.0))
 
 
-def without_columns(trajectory: Any, is_known: Sequence[bool]) -> Any:
+def for_the_scene(
+    live: LiveScene, trajectory: Any, ignore_foreign_joints: bool
+) -> tuple[Any, list[str]]:
+    """Return a trajectory message for the joints of the scene, and the names of others.
+
+    These are left in unless they are to be ignored, so that whoever looks them up refuses them.
+    """
+    names = list(trajectory.joint_names)
+    with live.reading() as scene:
+        is_known = scene.model.joints.are_known(names)
+    foreign = [name for name, known in zip(names, is_known, strict=True) if not known]
+    if not (foreign and ignore_foreign_joints):
+        return trajectory, []
+    return _without_columns(trajectory, is_known), foreign
+
+
+def _without_columns(trajectory: Any, is_known: Sequence[bool]) -> Any:
     """Return a trajectory message with the joints that are known alone.
 
     Raises ArgumentError where none is, and for a point that has not a number for each joint.
@@ -86,13 +103,15 @@ def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
     return [v for v, known in zip(values, is_known, strict=True) if known] if len(values) else []
 
 
-def timed_path(trajectory: Any, joints: Joints, start: JointsNow, profile: str) -> TimedPath:
+def timed_path(
+    trajectory: Any, joints: Joints, start: JointsNow, profile: str, start_time: float = 0.0
+) -> TimedPath:
     """Return the way of a JointTrajectory; raises ArgumentError for what it cannot be.
 
-    ``start`` has the values at time 0 where the first point comes later; a spline begins there
-    with the speeds of now, 0 where nobody knows one. Points without times, all 0, go from time 0
-    to 1 by equal parts; one alone is the end. An empty ``profile`` is that of splines where
-    a point has velocities.
+    ``start`` has the values at ``start_time`` [s]. Where the first point comes later, the way
+    begins there; a spline then begins with the speeds of now, 0 where nobody knows one. Points
+    without times, all 0, go from time 0 to 1 by equal parts; one alone is the end. An empty
+    ``profile`` is that of splines where a point has velocities.
     """
     points = trajectory.points
     if not len(points):
@@ -108,20 +127,25 @@ def timed_path(trajectory: Any, joints: Joints, start: JointsNow, profile: str) 
     rows = _rows_of(points, joints)
     times = np.array([seconds_of(point.time_from_start) for point in points])
     if profile == SPLINE or (not profile and _has_derivatives(points)):
-        return _spline_path(points, joints, rows, times, start)
+        return _spline_path(points, joints, rows, times, start, start_time)
     if not times.any():
         if len(points) > 1:
             return TimedPath(rows, np.linspace(0.0, 1.0, len(points)))
         times = np.ones(1)
     _refuse_times(times)
-    if times[0] > 0.0:
-        _refuse_unknown(times[0], joints, start.now)
-        rows, times = np.vstack((start.now, rows)), np.concatenate(([0.0], times))
+    if times[0] > start_time:
+        _refuse_unknown(times[0], joints, start.now, start_time)
+        rows, times = np.vstack((start.now, rows)), np.concatenate(([start_time], times))
     return TimedPath(rows, times)
 
 
 def _spline_path(
-    points: Sequence[Any], joints: Joints, rows: Floats, times: Floats, start: JointsNow
+    points: Sequence[Any],
+    joints: Joints,
+    rows: Floats,
+    times: Floats,
+    start: JointsNow,
+    start_time: float,
 ) -> TimedPath:
     """Return the way along splines, whose points must have times."""
     if not times.any():
@@ -132,9 +156,9 @@ def _spline_path(
     _refuse_times(times)
     velocities = _derivatives(points, 'velocities', joints)
     accelerations = _derivatives(points, 'accelerations', joints)
-    if times[0] > 0.0:
-        _refuse_unknown(times[0], joints, start.now)
-        rows, times = np.vstack((start.now, rows)), np.concatenate(([0.0], times))
+    if times[0] > start_time:
+        _refuse_unknown(times[0], joints, start.now, start_time)
+        rows, times = np.vstack((start.now, rows)), np.concatenate(([start_time], times))
         velocities = _begun_with(np.nan_to_num(start.speeds), velocities)
         accelerations = _begun_with(np.zeros(joints.count), accelerations)
     spline = JointSpline(JointTrajectory(times, rows, velocities, accelerations))
@@ -197,13 +221,13 @@ def _refuse_times(times: Floats) -> None:
         )
 
 
-def _refuse_unknown(first: float, joints: Joints, start: Floats) -> None:
+def _refuse_unknown(first: float, joints: Joints, start: Floats, time: float) -> None:
     """Raise ArgumentError where nobody knows where a path begins."""
     unknown = [name for name, q in zip(joints.names, start, strict=True) if np.isnan(q)]
     if unknown:
         raise ArgumentError(
             f'path begins at {first:g} s, and nobody knows where {", ".join(unknown)} '
-            'are at 0 s: give a point with time_from_start 0, or start_joints'
+            f'are at {time:g} s: give a point with time_from_start 0, or start_joints'
         )
 
 

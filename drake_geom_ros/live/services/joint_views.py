@@ -41,8 +41,8 @@ def view_of_joints(
 ) -> tuple[SceneView, Joints, JointsNow]:
     """Return the scene of now with poses and ``chosen`` joints, and the joints that names mean.
 
-    Raises RuntimeError for names and numbers that cannot be meant, and for a frame that is posed
-    in two ways.
+    ``poses`` is a FramePoses, or None. Raises RuntimeError for names and numbers that cannot be
+    meant, and for a frame that is posed in two ways.
     """
     with live.reading() as scene:
         robots, places = scene.model.joints, scene.model.joints.places(names)
@@ -54,7 +54,9 @@ def view_of_joints(
             [chosen.names[k] for k in others], [float(chosen.positions[k]) for k in others]
         )
         view = live.view(poses, rest)
-        posed = set(scene.model.reader.listed_in(poses).frames)
+        posed = set[int]()
+        if poses is not None:
+            posed |= set(scene.model.reader.listed_in(poses).frames)
         joints = _joints_of(robots, names, places, view, values)
         moving = set(joints.id_values.tolist())
         refuse_twice_posed(scene, posed & moving)

@@ -23,9 +23,9 @@ from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.live.services.joint_paths import (
     START_TOLERANCE,
     TimedPath,
+    for_the_scene,
     refuse_far_start,
     timed_path,
-    without_columns,
 )
 from drake_geom_ros.live.services.joint_views import GivenJoints, JointsNow, view_of_joints
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
@@ -112,7 +112,7 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
             f'stands for {START_TOLERANCE:g}'
         )
     start_joints = GivenJoints(request.start_joints.names, request.start_joints.positions)
-    trajectory, foreign = _of_the_scene(live, request)
+    trajectory, foreign = for_the_scene(live, request.path, request.ignore_foreign_joints)
     names = list(trajectory.joint_names)
     view, joints, begin = view_of_joints(live, request.start, names, start_joints)
     path = timed_path(trajectory, joints, begin, request.profile)
@@ -139,17 +139,6 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
     check = in_seconds(check, path.times)
     is_begun_now = len(path.rows) > len(trajectory.points)
     return view, check, JointWay(path, joints, begin, is_begun_now, foreign)
-
-
-def _of_the_scene(live: LiveScene, request: Any) -> tuple[Any, list[str]]:
-    """Return the path of a request for the joints of the scene, and the names of others."""
-    names = list(request.path.joint_names)
-    with live.reading() as scene:
-        is_known = scene.model.joints.are_known(names)
-    foreign = [name for name, known in zip(names, is_known, strict=True) if not known]
-    if not (foreign and request.ignore_foreign_joints):
-        return request.path, []
-    return without_columns(request.path, is_known), foreign
 
 
 def _fill_way(response: Any, way: JointWay) -> None:

@@ -23,6 +23,7 @@ from drake_geom_ros.live.services import (
     shapes,
     states,
 )
+from drake_geom_ros.live.watching.trajectory_watch import TrajectoryWatch
 from drake_geom_ros.ros.services import cameras
 
 Handler = Callable[[LiveScene, Any, Any], None]
@@ -133,7 +134,13 @@ MOTIONS: tuple[tuple[str, Any, Handler], ...] = (
     ('check_motion', srv.CheckMotion, motions.check_motion),
 )
 
+# What judges trajectories that run, in the thread that judges them again.
+WATCHING: tuple[tuple[str, Any, Callable[[TrajectoryWatch, Any, Any], None]], ...] = (
+    ('watch_trajectory', srv.WatchTrajectory, TrajectoryWatch.begin),
+    ('unwatch_trajectory', srv.UnwatchTrajectory, TrajectoryWatch.end),
+)
+
 # Of MoveIt's type, whose package may be missing: opened with the parameter use_planning_scene.
 STATE_VALIDITY = 'check_state_validity'
 
-SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)
+SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS, *WATCHING)

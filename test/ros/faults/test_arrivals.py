@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from drake_geom_msgs import msg, srv
 from geometry_msgs.msg import Point, Pose, TransformStamped
 from ros.harness import LATCHED, Process
@@ -431,6 +431,16 @@ def check_motion(site):
     site.call('check_motion', path=path)
 
 
+def watch_trajectory(site):
+    """Watch a trajectory that the changes of the others have judged again."""
+    points = [
+        JointTrajectoryPoint(positions=[value, 0.0], time_from_start=Duration(sec=seconds))
+        for value, seconds in ((0.0, 0), (0.2, 3600))
+    ]
+    path = JointTrajectory(joint_names=['arm::j1', 'arm::j2'], points=points)
+    site.call('watch_trajectory', name='way', path=path)
+
+
 def states(site):
     names = ['arm::j1', 'arm::j2']
     site.call('evaluate_states', joint_names=names, positions=[0.0] * 200, want='collision')
@@ -471,6 +481,7 @@ CALLS = {
         'compute_contact_surfaces', with_fallback=True
     ),
     'check_motion': check_motion,
+    'watch_trajectory': watch_trajectory,
     'register_source': lambda site: site.call('register_source', name='new'),
     'register_frame': lambda site: site.call('register_frame', source='new', name='f'),
     'register_geometry': register_geometry,
@@ -511,6 +522,7 @@ CALLS = {
     'add_obstacle_source': add_obstacle_source,
     'list_obstacle_sources': lambda site: site.call('list_obstacle_sources'),
     'remove_obstacle_source': lambda site: site.call('remove_obstacle_source', name='front'),
+    'unwatch_trajectory': lambda site: site.call('unwatch_trajectory', name='way'),
 }
 
 
