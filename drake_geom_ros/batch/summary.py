@@ -117,7 +117,7 @@ class Summary:
         figure = Figure(figsize=(7.0, 4.0), layout='constrained')
         axes = figure.add_subplot()
         # Zero is an edge, so that no bar holds states of both kinds.
-        width = max(float(np.ptp(lower)), 1e-12) / BINS
+        width = (float(np.ptp(lower)) or 1.0) / BINS
         first, last = np.floor(lower.min() / width), np.ceil(lower.max() / width)
         edges = width * np.arange(first, last + 2.0)
         for part, colour, label in (

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import copy
+import functools
 from typing import Any
 
-__all__ = ['AbstractValue']
+__all__ = ['AbstractValue', 'Value']
 
 
 class AbstractValue:
@@ -55,3 +56,33 @@ class AbstractValue:
 
     def __repr__(self) -> str:
         return f'AbstractValue.Make({self._value!r})'
+
+
+class Value(AbstractValue):
+    """A value of one type in a box: ``Value[float](2.0)``, or ``Value[float]()`` for the default.
+
+    >>> Value[str]('left').get_value()
+    'left'
+    """
+
+    __slots__ = ()
+    _kind: type = object
+
+    @classmethod
+    @functools.cache
+    def _of(cls, kind: type) -> type[Value]:
+        return type(f'Value[{kind.__name__}]', (cls,), {'__slots__': (), '_kind': kind})
+
+    def __class_getitem__(cls, kind: type) -> type[Value]:
+        """Return the boxes for values of a type."""
+        return cls._of(kind)
+
+    def __init__(self, *value: Any) -> None:
+        """Put a copy of a value into a box; raises TypeError for one of another type."""
+        kind = type(self)._kind
+        self._value = copy.deepcopy(*value) if value else kind()
+        if not isinstance(self._value, kind):
+            raise TypeError(
+                f'Value: {self._value!r} is of type {type(self._value).__name__}; it must be '
+                f'{kind.__name__}'
+            )

@@ -29,6 +29,7 @@ from drake_geom_ros.optimization.regions import (
     certified_free_box,
     free_region,
 )
+from drake_geom_ros.optimization.spline_clearance import ClampedCubicSpline
 
 __all__ = [
     'Constraint',
@@ -40,6 +41,7 @@ __all__ = [
     'PathClearance',
     'PathClearanceConstraint',
     'path_clearance',
+    'ClampedCubicSpline',
     'HPolyhedron',
     'FreeRegion',
     'certified_free_ball',

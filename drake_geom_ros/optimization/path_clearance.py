@@ -17,16 +17,18 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.geometry.checks import as_number
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.optimization.constraint import Constraint
+from drake_geom_ros.optimization.spline_clearance import ClampedCubicSpline, Travel
 
 
 class PathClearance(NamedTuple):
     """Certified bounds of e edges of a path, each in s pieces, with their derivatives.
 
-    Along piece j of edge i no pair is nearer than ``lower_bound[i, j]``.
+    Along piece j of edge i no pair is nearer than ``lower_bound[i, j]``. The gradient of a
+    straight path is by the way points at both ends of the edge, that of a spline by all.
     """
 
     lower_bound: Floats  # (e, s) [m]
-    gradient: Floats  # (e, s, 2, c) by the way points at the start and at the end of the edge
+    gradient: Floats  # (e, s, 2, c), or (e, s, k, c) of a spline
     clearance: Floats  # (e s + 1,) [m] of the states between pieces, in their order
 
     @property
@@ -35,13 +37,21 @@ class PathClearance(NamedTuple):
         return float(self.lower_bound.min())
 
 
-def path_clearance(checker: Checker, path: ArrayLike, pieces: int = 8) -> PathClearance:
+def path_clearance(
+    checker: Checker,
+    path: ArrayLike,
+    pieces: int = 8,
+    *,
+    spline: ClampedCubicSpline | None = None,
+) -> PathClearance:
     """Return certified bounds of the clearance of a path, and derivatives by its way points.
 
     Args:
         checker: a ``batch.Checker``.
         path: way points (k, c), at least two, within the limits of the joints. The path is
             straight in joint space from one to the next, as in ``batch.check_path``.
+        spline: the curve through the way points in place of straight lines; its ``trajectory`` is
+            for ``batch.check_trajectory`` and for controllers.
         pieces: states per edge. More of them make bounds closer: these are below the clearance by
             half of the motion of one piece at most.
 
@@ -49,7 +59,8 @@ def path_clearance(checker: Checker, path: ArrayLike, pieces: int = 8) -> PathCl
         ``PathClearance``; bounds are minus infinity where a distance changes at an unlimited rate.
 
     Raises:
-        ArgumentError: another shape, values that are not finite or beyond their limits.
+        ArgumentError: another shape, values that are not finite or beyond their limits, between
+            way points of a spline, too.
         GeometryError: the scene has changed.
 
         >>> scene_graph = SceneGraph()
@@ -62,6 +73,8 @@ def path_clearance(checker: Checker, path: ArrayLike, pieces: int = 8) -> PathCl
     if not isinstance(pieces, int) or pieces < 1:
         raise ArgumentError(f'pieces={pieces!r} must be an integer >= 1')
     points = _way_points(checker, path)
+    if spline is not None:
+        return _of_spline(checker, points, pieces, spline)
     steps = np.diff(points, axis=0)
     times = np.arange(pieces) / pieces
     inner = points[:-1, None] + times[:, None] * steps[:, None]
@@ -78,6 +91,41 @@ def path_clearance(checker: Checker, path: ArrayLike, pieces: int = 8) -> PathCl
     return PathClearance(bounds, np.stack((by_start, by_end), axis=2), clearance)
 
 
+def _of_spline(
+    checker: Checker, points: Floats, pieces: int, spline: ClampedCubicSpline
+) -> PathClearance:
+    """Return the bounds of a path (k, c) along a spline, with derivatives by all way points."""
+    if len(spline.times) != len(points):
+        raise ArgumentError(
+            f'the spline has {len(spline.times)} times and path {len(points)} way points; give '
+            'each a time'
+        )
+    travel = spline.travel(points, pieces)
+    _refuse_overshoot(checker, travel)
+    weights = spline.weights(pieces)  # (m + 1, k)
+    clearance, gradients = checker.clearance_and_gradient(weights @ points)
+    motions, slopes = _motions(checker, travel.length.reshape(-1, points.shape[1]))
+    bounds = 0.5 * (clearance[:-1] + clearance[1:] - motions)
+    by_states = weights[:, :, None] * gradients[:, None]  # (m + 1, k, c)
+    by_travel = travel.slopes.reshape(-1, *points.shape) * slopes[:, None]
+    gradient = 0.5 * (by_states[:-1] + by_states[1:] - by_travel)
+    shape = len(points) - 1, pieces
+    return PathClearance(bounds.reshape(shape), gradient.reshape(*shape, *points.shape), clearance)
+
+
+def _refuse_overshoot(checker: Checker, travel: Travel) -> None:
+    """Raise ArgumentError where a spline leaves the limits of a joint between way points."""
+    joints = checker.joints
+    beyond = np.flatnonzero((travel.lowest < joints.lower) | (travel.highest > joints.upper))
+    if beyond.size:
+        k = int(beyond[0])
+        raise ArgumentError(
+            f'between way points {joints.names[k]} goes from {travel.lowest[k]:.6g} to '
+            f'{travel.highest[k]:.6g}, outside its limits [{joints.lower[k]:.6g}, '
+            f'{joints.upper[k]:.6g}], within which bounds hold; keep way points away from limits'
+        )
+
+
 class PathClearanceConstraint(Constraint):
     """Keeps a path certified to be clear, between its way points, too.
 
@@ -89,12 +137,21 @@ class PathClearanceConstraint(Constraint):
         way_points: their number, at least 2.
         bound: [m] smallest allowed distance.
         pieces: states per edge.
+        spline: as in ``path_clearance``.
 
     Raises:
         ArgumentError: values out of range.
     """
 
-    def __init__(self, checker: Checker, way_points: int, bound: float, pieces: int = 8) -> None:
+    def __init__(
+        self,
+        checker: Checker,
+        way_points: int,
+        bound: float,
+        pieces: int = 8,
+        *,
+        spline: ClampedCubicSpline | None = None,
+    ) -> None:
         """Prepare the constraint; see the class."""
         number = as_number(bound)
         if way_points < 2 or pieces < 1 or number is None or not np.isfinite(number):
@@ -103,6 +160,7 @@ class PathClearanceConstraint(Constraint):
                 f'bound={bound!r} a finite number, in metres'
             )
         self.checker, self._shape, self._pieces = checker, (way_points, -1), pieces
+        self._spline = spline
         limits = np.full((way_points - 1) * pieces, number)
         super().__init__(way_points * checker.joints.count, limits, np.full_like(limits, np.inf))
 
@@ -111,7 +169,10 @@ class PathClearanceConstraint(Constraint):
         values = np.asarray(q, dtype=np.float64)
         if values.shape != (self._columns,):
             raise ArgumentError(f'q has the shape {values.shape}; it must be ({self._columns},)')
-        bounds = path_clearance(self.checker, values.reshape(self._shape), self._pieces)
+        points = values.reshape(self._shape)
+        bounds = path_clearance(self.checker, points, self._pieces, spline=self._spline)
+        if self._spline is not None:
+            return bounds.lower_bound.ravel(), bounds.gradient.reshape(-1, values.size)
         edges, pieces, _, columns = bounds.gradient.shape
         jacobian = np.zeros((edges, pieces, edges + 1, columns))
         every = np.arange(edges)

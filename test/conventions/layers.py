@@ -217,7 +217,7 @@ LAYERS = {
     ),
     # Constraints and gradients for solvers.
     'optimization': (
-        ('math', 'autodiffutils', 'common', 'geometry', 'batch', 'optimization'),
+        ('math', 'autodiffutils', 'common', 'geometry', 'batch', 'trajectories', 'optimization'),
         ('numpy', 'scipy', 'casadi'),
     ),
     'replay': (
