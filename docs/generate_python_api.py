@@ -17,7 +17,7 @@ TARGET = Path(__file__).resolve().parent / 'python_api.md'
 MODULES = (
     *('geometry', 'geometry.render', 'sensors', 'math', 'autodiffutils'),
     *('scene_files', 'trajectories', 'batch', 'optimization'),
-    *('proximity_rules', 'recordings'),
+    *('proximity_rules', 'stopping', 'recordings'),
     *('client', 'common'),
     *('common.value', 'common.eigen_geometry'),
 )
@@ -27,11 +27,11 @@ _INTRODUCTION = """# The Python API
 Generated from the docstrings by `python docs/generate_python_api.py`; a test keeps it up to date.
 `geometry` answers queries, `math` has poses and rotations, `scene_files` loads robots and scenes,
 `trajectories` has forward kinematics, `batch` asks about many states, `optimization` has
-constraints for solvers, `proximity_rules` decides by distances, `recordings` judges what ROS
-recorded, `client` talks to a running node and is the only module here that needs ROS. Names are
-those of pydrake, whose documentation describes them in detail;
-[differences_from_pydrake.md](differences_from_pydrake.md) lists what differs. Lengths
-are in metres, angles in radians. A call that is refused raises a RuntimeError and changes nothing.
+constraints for solvers, `proximity_rules` decides by distances, `stopping` proves that robots
+can still stop, `recordings` judges what ROS recorded, `client` talks to a running node and is the
+only module here that needs ROS. Names are those of pydrake, whose documentation describes them in
+detail; [differences_from_pydrake.md](differences_from_pydrake.md) lists what differs. Lengths are
+in metres, angles in radians. A call that is refused raises a RuntimeError and changes nothing.
 
 """
 

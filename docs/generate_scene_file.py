@@ -73,6 +73,7 @@ _KINDS = {
     'source_padding': 'number, or mapping of patterns to numbers',
     'source_qos': '[policies](#policies-of-a-subscription)',
     'patterns': 'text, or list of texts',
+    'decelerations': 'number, list of numbers, or mapping of joints to numbers',
 }
 
 

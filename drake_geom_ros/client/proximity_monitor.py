@@ -28,6 +28,7 @@ LEVELS = {
     msg.ProximityRule.WARN: 'warn',
     msg.ProximityRule.SLOW: 'slow',
     msg.ProximityRule.STOP: 'stop',
+    msg.ProximityRule.STOPPABLE: 'stoppable',
 }
 WHY = {
     msg.ProximityEvents.NEAR: 'near',
@@ -35,6 +36,7 @@ WHY = {
     msg.ProximityEvents.STALE: 'stale',
     msg.ProximityEvents.NO_POSE: 'no pose',
     msg.ProximityEvents.GONE: 'gone',
+    msg.ProximityEvents.CANNOT_STOP: 'cannot stop',
     msg.ProximityEvents.TWO_SENDERS: 'two senders',
     msg.ProximityEvents.OTHER_CLOCK: 'other clock',
 }
@@ -50,7 +52,7 @@ class ProximityEvent:
 
     sequence: int
     rule: str
-    level: str  # warn, slow or stop
+    level: str  # warn, slow, stop or stoppable
     entered: bool
     why: str  # near, soon, stale, no pose or gone
     geometry_a: str
@@ -76,7 +78,7 @@ class RuleStanding:
     """Current state of a rule."""
 
     name: str
-    level: str  # warn, slow or stop
+    level: str  # warn, slow, stop or stoppable
     entered: bool
     why: str  # reason why it is entered; empty if it is not
     since: float  # [s] of the last change, on the node's clock; 0: it never changed
@@ -164,12 +166,14 @@ class ProximityMonitor:
                 return f'there is no proximity rule {name!r}{nearest(name, standings)}'
             if trouble := standings[name].trouble:
                 return trouble
-        stops = [rule for rule in standings.values() if rule.level == 'stop']
+        # A stoppable rule that is entered asks for less speed: see ``speed_scale``.
+        stops = [rule for rule in standings.values() if rule.level in ('stop', 'stoppable')]
         if all(rule.trouble for rule in stops):  # or there is none
             return next((rule.trouble for rule in stops), 'no proximity rule says when to stop')
         if not self.is_alive:
             return f'{self._server} is silent for more than {SILENCE:g} s'
-        return ', '.join(rule.in_words() for rule in stops if rule.entered)
+        entered = [rule for rule in stops if rule.entered and rule.level == 'stop']
+        return ', '.join(rule.in_words() for rule in entered)
 
     def acknowledge(self, rule: str) -> Future:
         """Acknowledge that a latched rule was entered; return the future of the response.

@@ -15,6 +15,7 @@ from drake_geom_ros.proximity_rules.rule import (
     RuleError,
     Why,
     scale_points,
+    stopping_points,
 )
 from drake_geom_ros.proximity_rules.unseen_bodies import unseen_of_groups
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedKinds, WatchedPairs
@@ -36,5 +37,6 @@ __all__ = [
     'WatchedPairs',
     'Why',
     'scale_points',
+    'stopping_points',
     'unseen_of_groups',
 ]

@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry.compiling import compiled
 from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules.nearest_pairs import NearestPairs, no_pairs
-from drake_geom_ros.proximity_rules.rule import ProximityRule, Why
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
 
 Ids = NDArray[np.int64]
 Whys = NDArray[np.uint8]
 _NEAR, _SOON, _NO_POSE = int(Why.NEAR), int(Why.SOON), int(Why.NO_POSE)
+_CANNOT_STOP = int(Why.CANNOT_STOP)
 # Whether the entering of a rule was acknowledged, and whether its cause has gone since.
 _UNACKNOWLEDGED, _ACKNOWLEDGED, _ACKNOWLEDGED_AND_CLEAR = 0, 1, 2
 _NONE = np.zeros(0, dtype=np.bool_)
@@ -56,13 +57,19 @@ class Reasons(NamedTuple):
     soonest: Floats  # [s] smallest time to contact; inf: no pair closes
     unposed: Whys  # a Why: it needs a pose that is not valid; 0: all are valid
     unpredicted: Flags  # it uses times to contact, and a motion that it needs is unknown
+    # It is of level STOPPABLE, and braking that begins now is not proved to end before contact.
+    cannot_stop: Flags
+    stop_scale: Floats  # share of the present speed for which that is proved; 1 for other levels
 
     @classmethod
-    def of_nothing(cls, count: int) -> Reasons:
-        """Return the values of rules before any measurement."""
+    def of_nothing(cls, rules: Sequence[ProximityRule]) -> Reasons:
+        """Return the values of rules before any measurement: nothing is proved."""
+        count = len(rules)
         lowest, soonest = np.full((2, count), math.inf)
         unposed, unpredicted = np.zeros(count, dtype=np.uint8), np.zeros(count, dtype=np.bool_)
-        return cls(lowest, soonest, unposed, unpredicted)
+        cannot_stop = np.array([rule.level == Level.STOPPABLE for rule in rules], dtype=np.bool_)
+        stop_scale = np.where(cannot_stop, 0.0, 1.0)
+        return cls(lowest, soonest, unposed, unpredicted, cannot_stop, stop_scale)
 
 
 class Limits(NamedTuple):
@@ -86,11 +93,13 @@ class Limits(NamedTuple):
         def each(field: str) -> Floats:
             return np.array([getattr(rule, field) for rule in rules], dtype=np.float64)
 
-        far = each('farthest')
+        far, leave, enter = each('farthest'), each('leave'), each('enter')
+        by_braking = np.array([rule.level == Level.STOPPABLE for rule in rules], dtype=np.bool_)
+        enter[by_braking] = leave[by_braking] = -math.inf  # no distance counts
         return cls(
             np.array(groups, dtype=np.int64),
-            each('enter'),
-            each('leave'),
+            enter,
+            leave,
             each('hold'),
             each('enter_after'),
             each('min_time_to_contact'),
@@ -182,7 +191,9 @@ def step(
         is_unsure = reasons.unposed[r] > 0 or reasons.unpredicted[r]
         why_unposed = reasons.unposed[r] if limits.enters_when_stale[r] else np.uint8(0)
         near = 0  # the Why of nearness, which enters the rule after ``enter_after``
-        if reasons.lowest[r] < limits.enter[r]:
+        if reasons.cannot_stop[r]:
+            near = _CANNOT_STOP
+        elif reasons.lowest[r] < limits.enter[r]:
             near = _NEAR
         elif reasons.soonest[r] < limits.least_time[r]:
             near = _SOON
@@ -197,6 +208,7 @@ def step(
         if entered.is_entered[r]:
             is_soon = reasons.soonest[r] < limits.least_time[r]
             is_far = reasons.lowest[r] >= limits.leave[r] and not is_soon
+            is_far = is_far and not reasons.cannot_stop[r]
             has_held = now - entered.since[r] >= limits.hold[r]
             entered.is_clear[r] = is_measured and is_far and not is_unsure
             if entered.acknowledged[r] == _ACKNOWLEDGED_AND_CLEAR and why > 0:
@@ -216,6 +228,8 @@ def step(
             continue
         if why > 0:
             entered.why[r] = why
+        elif reasons.cannot_stop[r]:
+            entered.why[r] = _CANNOT_STOP
         elif is_measured and not is_unsure and not is_far:  # only the distance keeps it entered
             entered.why[r] = _SOON if is_soon and reasons.lowest[r] >= limits.leave[r] else _NEAR
     return count
@@ -224,6 +238,6 @@ def step(
 def prepare() -> None:
     """Compile the decision functions, so that no cycle waits for the compiler."""
     none = np.zeros(0, dtype=np.int64)
-    limits, reasons = Limits.of((), none), Reasons.of_nothing(0)
+    limits, reasons = Limits.of((), none), Reasons.of_nothing(())
     take_nearest(no_pairs(0), limits, reasons)
     step(0.0, limits, reasons, False, Entered.of_new(0), none)

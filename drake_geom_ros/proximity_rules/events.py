@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -15,6 +15,7 @@ from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.nearest_pairs import NearestPairs
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
 from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
+from drake_geom_ros.stopping import Stop
 
 Ids = NDArray[np.int64]
 _NOBODY = np.full(3, math.nan)
@@ -29,7 +30,8 @@ class Event(NamedTuple):
     NaN.
 
     The lower bound was compared with ``limit_distance``, which is ``enter`` of the rule, or
-    ``leave`` if the rule is left.
+    ``leave`` if the rule is left. For CANNOT_STOP that is its ``margin``, and the pair, the
+    distance and the points are those of the moment on the way from which on nothing is proved.
     """
 
     sequence: int
@@ -74,6 +76,7 @@ def events_of(
     watched: WatchedPairs,
     poses: Poses,
     seen: Seen | None,
+    stops: Mapping[str, Stop],
 ) -> list[Event]:
     """Return the events of the rules that ``changed`` (r,), numbered from ``first``."""
     is_entered, whys = entered.is_entered[changed], entered.why[changed]
@@ -88,9 +91,23 @@ def events_of(
             ids = watched.ids[watched.needed(number) & flags]
             pair = (int(ids[0]) if len(ids) else 0, 0, math.nan, *_NO_PAIR[3:])
         limit = rule.enter if enters else rule.leave
+        if rule.level == Level.STOPPABLE:
+            limit = rule.margin
+            if not enters:
+                pair = _NO_PAIR
+            elif why == Why.CANNOT_STOP:
+                pair = _pair_of(stops.get(rule.name))
         limits = limit, rule.min_time_to_contact
         events.append(Event(sequence, rule.name, rule.level, enters, why, *pair, *limits))
     return events
+
+
+def _pair_of(stop: Stop | None) -> _Pair:
+    """Return the pair that an answer could not prove; nothing is known without one."""
+    if stop is None or not stop.id_A:
+        return (0, 0, math.nan, *_NO_PAIR[3:])
+    points = stop.p_WCa, stop.p_WCb
+    return stop.id_A, stop.id_B, stop.distance, stop.error_bound, *points, math.nan
 
 
 def _pairs(seen: Seen | None, groups: Ids, soonest: Flags) -> Iterator[_Pair]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,10 +21,11 @@ from drake_geom_ros.proximity_rules.decisions import (
 )
 from drake_geom_ros.proximity_rules.events import Event, Seen, events_of, events_of_gone
 from drake_geom_ros.proximity_rules.measured import Measured
-from drake_geom_ros.proximity_rules.rule import ProximityRule, RuleError, Why
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, RuleError, Why
 from drake_geom_ros.proximity_rules.speed_scale import SpeedScale
 from drake_geom_ros.proximity_rules.unseen_bodies import with_unseen_bodies
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
+from drake_geom_ros.stopping import Stop
 
 
 class RuleState(NamedTuple):
@@ -267,7 +268,8 @@ class RuleMonitor:
         self._speed = SpeedScale(rules, self._watched)
         if rules:
             prepare()
-        self._reasons = Reasons.of_nothing(len(rules))
+        self._reasons = Reasons.of_nothing(rules)
+        self.stops: Mapping[str, Stop] = {}  # the last answers, by the name of their rule
         self._changed = np.empty(len(rules), dtype=np.int64)
         self._seen: Seen | None = None
         self.is_measured = False  # whether distances of these pairs were measured
@@ -294,12 +296,16 @@ class RuleMonitor:
         poses: Poses,
         measured: Measured | None = None,
         farthest: float = math.inf,
+        stops: Mapping[str, Stop] | None = None,
     ) -> list[Event]:
         """Enter and leave rules by a measurement; return the events in the order of the rules.
 
         ``measured`` None: nothing moved since the last measurement, and only time went on. Pairs
         that are certainly beyond ``farthest`` [m] are ignored. Before the first measurement,
         rules are entered only for invalid poses, and no rule is left.
+
+        ``stops`` are the answers of now for rules of level STOPPABLE, by name; without one, the
+        last answer stands, and before the first one such a rule is entered.
         """
         watched, limits = self._watched, self._limits
         reasons, entered = self._reasons, self._entered
@@ -309,6 +315,7 @@ class RuleMonitor:
             take_nearest(nearest, limits, reasons)
             reasons.unpredicted[:] = self._unpredicted(measured)
             self._seen, self.is_measured = Seen(measured, nearest), True
+        self._take_stops(stops or {})
         reasons.unposed[:] = 0
         for why, flags in poses.without():
             reasons.unposed[watched.needs(flags)] = why
@@ -324,7 +331,15 @@ class RuleMonitor:
         enters = entered.is_entered[changed]
         entered.sequence[changed[enters]] = first + np.flatnonzero(enters)
         self._sequence += count
-        return events_of(first, self.rules, changed, entered, watched, poses, self._seen)
+        seen = self._seen
+        return events_of(first, self.rules, changed, entered, watched, poses, seen, self.stops)
+
+    def _take_stops(self, stops: Mapping[str, Stop]) -> None:
+        for number, rule in enumerate(self.rules):
+            if (stop := stops.get(rule.name)) is not None and rule.level == Level.STOPPABLE:
+                self._reasons.cannot_stop[number] = not stop.clear
+                self._reasons.stop_scale[number] = stop.scale
+        self.stops = {**self.stops, **stops}
 
     def _unpredicted(self, measured: Measured) -> NDArray[np.bool_]:
         """Return a mask (r,) of the rules with times to contact that need an unknown motion."""

@@ -22,15 +22,18 @@ class SpeedScale:
     its ``leave``. While a pair would touch sooner than ``min_time_to_contact``, the scale is at
     most the remaining fraction of that time. A slow rule scales to the minimum of its curve if a
     pose that it needs was never received, and also while it is entered and a pose or motion that
-    it needs is unknown.
+    it needs is unknown. A stoppable rule scales to the share of the present speed from which
+    braking is proved to end before contact, and to 0 while a pose that it needs is not valid,
+    unless that is only stale, and its ``when_stale`` is 'keep': then what is stale grows.
 
     A latched slow rule that nobody acknowledged scales as at its ``enter``, however far away its
-    pairs are meanwhile.
+    pairs are meanwhile; a stoppable one to 0.
     """
 
     def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
         levels = np.array([rule.level for rule in rules])
         self._stops = levels == Level.STOP
+        self._stoppable = levels == Level.STOPPABLE
         slow = [n for n, rule in enumerate(rules) if rule.level == Level.SLOW]
         stops = np.flatnonzero(self._stops).tolist()
         begins = watched.greatest_shared(slow, stops, np.array([rules[n].enter for n in stops]))
@@ -40,8 +43,8 @@ class SpeedScale:
         }
         self._slow = np.array(list(self._curves), dtype=np.int64)
         self._ends = np.array([curve[0, -1] for curve in self._curves.values()])
-        # Without a stop or slow rule there is no scale to publish.
-        self.is_asked_for = bool(self._stops.any()) or bool(self._curves)
+        # Without a stop, slow or stoppable rule there is no scale to publish.
+        self.is_asked_for = bool((self._stops | self._stoppable).any() or self._curves)
 
     def value(self, entered: Flags, latched: Flags, reasons: Reasons, limits: Limits) -> float:
         """Return the scale, by masks (r,), and the reasons and limits of rules.
@@ -51,7 +54,10 @@ class SpeedScale:
         unposed, absent = reasons.unposed > 0, reasons.unposed == Why.NO_POSE
         if (self._stops & (entered | unposed)).any():
             return 0.0
-        scale = 1.0
+        grows = (reasons.unposed == Why.STALE) & ~limits.enters_when_stale
+        if (self._stoppable & ((unposed & ~grows) | latched)).any():
+            return 0.0
+        scale = float(reasons.stop_scale.min(initial=1.0))
         unseen = (entered & (unposed | reasons.unpredicted)) | absent
         lacking = unseen[self._slow]
         distance = np.where(latched, np.minimum(reasons.lowest, limits.enter), reasons.lowest)

@@ -125,6 +125,11 @@ class WatchedPairs:
         """Return the geometries (n,) whose poses a rule needs."""
         return np.asarray(self._needed[self.groups[rule]])
 
+    def sets_of(self, rule: int) -> tuple[Ids, Ids]:
+        """Return the id values of the geometries in the two sets of a rule."""
+        group = self.groups[rule]
+        return self.ids[self._in_a[group]], self.ids[self._in_b[group]]
+
     def needs(self, flags: Flags) -> Flags:
         """Return a mask (r,) of the rules that need the pose of a flagged geometry (n,)."""
         if not flags.any():  # as in most cycles

@@ -92,6 +92,8 @@ class Judge:
             return _untold('a pose never came, and what never came is not recorded')
         if event.entered and event.why in (Why.TWO_SENDERS, Why.OTHER_CLOCK):
             return _untold('an event does not record who sent a pose, nor the stamps of its clock')
+        if event.why == Why.CANNOT_STOP:
+            return _untold('an event does not record the speeds of joints, which braking needs')
         if event.entered and event.why == Why.STALE:
             is_old = event.oldest_pose_age > event.limit_time
             age = f'the oldest pose was {event.oldest_pose_age:.3g} s old'

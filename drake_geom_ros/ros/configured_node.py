@@ -78,7 +78,12 @@ _NO_CLOCK = (
     'rate no cycle runs'
 )
 _RULE_MESSAGES = RuleMessages(
-    messages.ProximityEvents, messages.ProximityRules, messages.ProximityStates, Float64
+    messages.ProximityEvents,
+    messages.ProximityRules,
+    messages.ProximityStates,
+    messages.SpeedLimits,
+    messages.Stopping,
+    Float64,
 )
 _NOT_DUE = 'no {} since the last report'
 

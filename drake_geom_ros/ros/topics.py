@@ -141,6 +141,8 @@ OUTPUTS: Mapping[str, Output] = {
     '~/proximity_states': Output(msg.ProximityStates, _states),
     '~/speed_scale': Output(Float64, _speed_scale),
     '~/trajectory_states': Output(msg.TrajectoryStates, _states),
+    '~/speed_limit': Output(msg.SpeedLimits, _speed_scale),
+    '~/stopping': Output(msg.Stopping, _speed_scale),
     '~/scene': Output(msg.Scene, latched),
     '~/markers': Output(MarkerArray),
     '~/geometry_poses': Output(msg.GeometryPoses),

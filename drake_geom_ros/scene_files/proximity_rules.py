@@ -7,7 +7,11 @@ from typing import Any
 from drake_geom_ros.proximity_rules import Level, ProximityRule, RuleError
 from drake_geom_ros.scene_files.yaml_text import Document
 
-_NUMBERS = ('hold', 'enter_after', 'min_time_to_contact')
+_NUMBERS = (
+    *('enter', 'leave', 'hold', 'enter_after', 'min_time_to_contact'),
+    *('reaction_time', 'margin', 'max_speed'),
+)
+_DISTANCES = ('enter', 'leave')
 
 
 def read_proximity_rules(document: Document) -> tuple[ProximityRule, ...]:
@@ -25,18 +29,47 @@ def read_proximity_rules(document: Document) -> tuple[ProximityRule, ...]:
 
 
 def _rule(plain: Any) -> ProximityRule:
+    level = Level[plain['level'].upper()]
+    if level != Level.STOPPABLE and (missing := [k for k in _DISTANCES if k not in plain]):
+        raise RuleError(
+            f'proximity rule {plain["name"][:80]!r}: {" and ".join(missing)} [m] must be given; '
+            'only the level stoppable does without'
+        )
+    numbers: dict[str, Any] = {name: float(plain.get(name, 0.0)) for name in _NUMBERS}
     return ProximityRule(
         plain['name'],
         _patterns(plain['set_a']),
         _patterns(plain.get('set_b', ())),
-        Level[plain['level'].upper()],
-        float(plain['enter']),
-        float(plain['leave']),
-        **{name: float(plain.get(name, 0.0)) for name in _NUMBERS},
+        level,
+        **numbers,
         when_stale=plain.get('when_stale', ''),
-        scale=tuple((float(d), float(s)) for d, s in plain.get('scale', ())),
+        scale=_points(plain.get('scale', ())),
         acknowledge=plain.get('acknowledge', False),
+        **_decelerations(plain),
+        stopping_times=_points(plain.get('stopping_times', ())),
+        stop_category=plain.get('stop_category', 1),
     )
+
+
+def _decelerations(plain: Any) -> dict[str, Any]:
+    """Return ``joint_names`` and ``decelerations``, which may be a number or by joint."""
+    names, values = tuple(plain.get('joint_names', ())), plain.get('decelerations', ())
+    if isinstance(values, dict):
+        if names:
+            raise RuleError(
+                f'proximity rule {plain["name"][:80]!r}: decelerations by joint name the joints; '
+                'leave out joint_names'
+            )
+        return {
+            'joint_names': tuple(values),
+            'decelerations': tuple(map(float, values.values())),
+        }
+    each = values if isinstance(values, (list, tuple)) else (values,)
+    return {'joint_names': names, 'decelerations': tuple(map(float, each))}
+
+
+def _points(plain: Any) -> tuple[tuple[float, float], ...]:
+    return tuple((float(x), float(y)) for x, y in plain)
 
 
 def _patterns(plain: Any) -> tuple[str, ...]:
@@ -52,12 +85,29 @@ def plain_proximity_rule(rule: ProximityRule) -> dict[str, Any]:
         'when_stale': rule.when_stale,
         'scale': [list(point) for point in rule.scale],
         'acknowledge': rule.acknowledge,
+        **_plain_braking(rule),
     }
+    needed: dict[str, Any] = (
+        {} if rule.level == Level.STOPPABLE else {k: getattr(rule, k) for k in _DISTANCES}
+    )
+    if rule.level == Level.STOPPABLE and rule.stop_category == 0:
+        needed['stop_category'] = 0  # 1 without it
     return {
         'name': rule.name,
         'set_a': list(rule.set_a),
         'level': rule.level.name.lower(),
-        'enter': rule.enter,
-        'leave': rule.leave,
-        **{key: value for key, value in optional.items() if value},
+        **needed,
+        **{key: value for key, value in optional.items() if value and key not in needed},
     }
+
+
+def _plain_braking(rule: ProximityRule) -> dict[str, Any]:
+    if len(rule.decelerations) == len(rule.joint_names):
+        by_joint = zip(rule.joint_names, rule.decelerations, strict=True)
+        decelerations: dict[str, Any] = {'decelerations': dict(by_joint)}
+    else:
+        values = list(rule.decelerations)
+        decelerations = {'joint_names': list(rule.joint_names), 'decelerations': values}
+        if len(values) == 1:
+            decelerations['decelerations'] = values[0]
+    return {**decelerations, 'stopping_times': [list(point) for point in rule.stopping_times]}

@@ -139,7 +139,8 @@ class JointSpline:
         rounding = SPLINE_ROUNDING * np.repeat(self._sizes, EDGES, axis=0)
         curves = np.concatenate((powers, np.stack((*bounds, rounding), axis=1)), axis=1)
         rows = np.concatenate((values[:, 0], self.positions[-1:]))
-        return JointPath(np.ascontiguousarray(rows), np.ascontiguousarray(curves))
+        rows, curves = np.ascontiguousarray(rows), np.ascontiguousarray(curves)
+        return JointPath(rows, curves, np.zeros(len(rows)))
 
     def _values(self) -> NDArray[np.float64]:
         """Return the coefficients (k - 1, 6, n) of the values on each segment."""

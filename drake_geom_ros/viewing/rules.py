@@ -11,7 +11,12 @@ from drake_geom_ros.proximity_rules import Level, Measured, WatchedPairs
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 
 # Colours of levels, 0 to 255, for texts and for lines between the pairs of entered rules.
-COLOURS = {Level.WARN: (230, 190, 0), Level.SLOW: (255, 120, 0), Level.STOP: (255, 0, 0)}
+COLOURS = {
+    Level.WARN: (230, 190, 0),
+    Level.SLOW: (255, 120, 0),
+    Level.STOP: (255, 0, 0),
+    Level.STOPPABLE: (200, 0, 160),
+}
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,7 @@ GEOMETRY_ROOMS = {
 # What the rooms of the node may import of ours beside one another, and of others beside NumPy.
 _CORE = (
     *('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'sensed_maps'),
-    'scene_files',
+    *('stopping', 'scene_files'),
 )
 _HELD = (*_CORE, 'geometry/queries', 'live/conversions', 'live/scene')
 _LIVE = (*_HELD, 'live/inputs', 'live/outputs', 'live')
@@ -193,7 +193,11 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy', 'pandas', 'tqdm')),
     'sensors': (('math', 'sensors'), ('numpy',)),
-    'proximity_rules': (('math', 'common', 'geometry', 'proximity_rules'), ('numpy',)),
+    'stopping': (('math', 'common', 'geometry', 'geometry/queries', 'stopping'), ('numpy',)),
+    'proximity_rules': (
+        ('math', 'common', 'geometry', 'stopping', 'proximity_rules'),
+        ('numpy',),
+    ),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'sensed_maps': (('math', 'common', 'geometry', 'geometry/meshes', 'sensed_maps'), ('numpy',)),

@@ -100,7 +100,8 @@ def test_arrays_of_numbers_tell_their_shape():
 def test_lengths_and_times_tell_their_unit():
     without = []
     units = re.compile(
-        r'\[(m|m\^2|N|N m|Pa|s|-|m/s|rad/s|rad|Hz|pixels|m, unit quaternion x y z w)\]'
+        r'\[(m|m\^2|N|N m|Pa|s|-|m/s|rad/s|rad/s\^2 or m/s\^2|rad|Hz|pixels'
+        r'|m, unit quaternion x y z w)\]'
     )
     lines = [(path.name, line) for path in DEFINITIONS for line in code_lines(path.read_text())]
     for path, line in lines:

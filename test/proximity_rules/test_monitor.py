@@ -406,7 +406,7 @@ drawn_rules = st.builds(
     },
     st.lists(st.sampled_from(PATTERNS), min_size=1, max_size=2),
     st.lists(st.sampled_from(PATTERNS), max_size=2),
-    st.sampled_from(list(Level)),
+    st.sampled_from([Level.WARN, Level.SLOW, Level.STOP]),
     numbers,
     st.floats(0.01, 0.2),
     st.tuples(*[st.sampled_from([0.0, 0.0, 0.5, 1.5])] * 3),

@@ -16,7 +16,7 @@ def rule(**changes):
     [
         ({'name': ''}, 'no name'),
         ({'set_a': ()}, 'set_a is empty'),
-        ({'level': 4}, 'level is 4'),
+        ({'level': 5}, 'level is 5'),
         ({'enter': math.nan}, 'enter=nan'),
         ({'leave': math.inf}, 'leave=inf'),
         ({'leave': 0.1}, 'not greater than enter=0.1'),
@@ -26,6 +26,8 @@ def rule(**changes):
         ({'min_time_to_contact': math.inf}, 'min_time_to_contact is inf'),
         ({'when_stale': 'stop'}, "when_stale is 'stop'"),
         ({'scale': ((0.0, 0.0), (1.0, 1.0))}, 'this is a STOP rule'),
+        ({'margin': 0.1}, 'margin is for stoppable rules'),
+        ({'decelerations': (1.0,)}, 'decelerations is for stoppable rules'),
         ({'level': Level.SLOW, 'scale': ((0.0, 0.0),)}, 'two or more'),
         ({'level': Level.SLOW, 'scale': ((0.0, math.nan), (1.0, 1.0))}, 'two or more finite'),
         ({'level': Level.SLOW, 'scale': ((1.0, 0.0), (1.0, 1.0))}, 'must ascend'),
@@ -36,6 +38,45 @@ def rule(**changes):
 def test_what_cannot_be_is_refused_by_its_field(changes, told):
     with pytest.raises(RuleError, match=told):
         rule(**changes)
+
+
+def stoppable(**changes):
+    given = {'name': 'r', 'set_a': ('a',), 'level': Level.STOPPABLE, 'decelerations': (2.0,)}
+    return ProximityRule(**{**given, **changes})
+
+
+@pytest.mark.parametrize(
+    ('changes', 'message'),
+    [
+        ({'enter': 0.1}, 'enter is for other levels'),
+        ({'leave': 0.1}, 'leave is for other levels'),
+        ({'min_time_to_contact': 1.0}, 'min_time_to_contact is for other levels'),
+        ({'margin': -0.1}, 'margin is -0.1'),
+        ({'max_speed': math.inf}, 'max_speed is inf'),
+        ({'reaction_time': math.nan}, 'reaction_time is nan'),
+        ({'stop_category': 2}, 'stop_category is 2'),
+        ({'decelerations': ()}, 'either decelerations or stopping_times'),
+        ({'stopping_times': ((1.0, 0.1),)}, 'either decelerations or stopping_times'),
+        ({'decelerations': (0.0,)}, 'must be finite and > 0'),
+        ({'decelerations': (1.0, 2.0)}, '2 numbers for 0 joint_names'),
+        ({'joint_names': ('x', 'x')}, 'nor twice'),
+        ({'stopping_times': ((1.0, -0.1),), 'decelerations': ()}, 'must be finite and > 0'),
+        ({'stopping_times': ((1.0, 0.1), (1.0, 0.2)), 'decelerations': ()}, 'must ascend'),
+        ({'stopping_times': ((1.0, 0.2), (2.0, 0.1)), 'decelerations': ()}, 'not stand sooner'),
+    ],
+)
+def test_an_invalid_braking_is_refused_by_its_field(changes, message):
+    with pytest.raises(RuleError, match=message):
+        stoppable(**changes)
+
+
+def test_a_stoppable_rule_has_its_braking_and_needs_no_distance():
+    braking = stoppable(reaction_time=0.1, stop_category=0).braking
+    assert (braking.reaction_time, braking.category) == (0.1, 0)
+    assert stoppable().farthest == -math.inf
+    assert stoppable().enters_when_stale
+    assert stoppable().stop_category == 1
+    assert rule().stop_category == 0
 
 
 def test_a_stop_enters_when_a_pose_is_stale_unless_it_says_otherwise():

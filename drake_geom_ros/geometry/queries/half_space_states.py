@@ -47,6 +47,11 @@ class HalfSpaceStates:
         """Set the poses (nf, 3, 3) and (nf, 3) [m] of all frames, by place."""
         self._world.set_poses(np.arange(1, len(p_PFs)), R_PFs[1:], p_PFs[1:])
 
+    def drive_by(self, chain: JointChain) -> None:
+        """Take the numbers of a chain with the same links and columns as the one at first."""
+        assert self._chain is not None
+        self._chain = chain._replace(X_WLs=chain.X_WLs.copy())
+
     def at_rows(self, X_PFs: Floats) -> HalfSpaceGaps:
         """Return the gaps at poses (n, POSE_WIDTH) of the moved frames."""
         self._world.pose(self._named, X_PFs)

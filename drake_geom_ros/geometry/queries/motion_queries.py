@@ -151,13 +151,37 @@ class MotionQueries:
         )
 
     def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
-        """Set the poses of the frames that stay, from X_PF (nf,) of all frames by place.
-
-        For queries without a chain.
-        """
+        """Set the poses of the frames that stay, from X_PF (nf,) of all frames by place."""
         self._loops.stand(R_PFs, p_PFs)
         if self._half_spaces is not None:
             self._half_spaces.stand(R_PFs, p_PFs)
+
+    def drive_by(self, chain: JointChain) -> None:
+        """Take the numbers of a chain with the same links and columns as the one at first."""
+        self._loops.drive_by(chain)
+        if self._half_spaces is not None:
+            self._half_spaces.drive_by(chain)
+
+    def approach(self, speeds: Floats, approached: Floats) -> None:
+        """Let pairs (k,) approach each other by themselves, beside the motion that is checked.
+
+        At time 0 of a path they have done so by at most ``approached`` [m], and later they do at
+        ``speeds`` [m/s] at most; a path's ``times`` are in seconds then. Pairs of half spaces are
+        not among them.
+        """
+        self._loops.approach(speeds, approached)
+
+    def ways(self, places: Indices, speeds: Floats) -> Floats:
+        """Return bounds (k,) of how fast points of geometries, by place, move for joint speeds.
+
+        ``speeds`` (c,) are in [rad/s] or [m/s]; the bounds [m/s], in the world, hold for all
+        values of the last path.
+        """
+        return self._loops.ways(places, speeds)
+
+    def examined(self) -> Booleans:
+        """Return the mask (k,) of pairs that the last answer had to look at, beyond boxes."""
+        return self._loops.examined.copy()
 
     def move(
         self, question: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
@@ -268,6 +292,7 @@ class MotionQueries:
 
     def _prepare(self, question: MotionQuestion, skipped: Booleans | None) -> None:
         self._loops.skipped[:] = False if skipped is None else skipped
+        self._loops.examined[:] = False
         self._loops.ask(
             question.min_distance,
             question.time_tolerance,

@@ -75,14 +75,17 @@ class PackedScene:
         *,
         about_points: bool = True,
         about_contacts: bool = False,
+        with_waiting: bool = False,
     ) -> tuple[PackedScene, Indices]:
         """Return a context's current scene, and its geometries' id values (n,) by place.
 
         ``frame_ids`` are id values of the frames that states pose, ``still`` the poses X_PF (7,)
         of those among them that are the same in each state: only such frames stay welded to the
         world. ``about_points`` adds the shapes that points measure to, ``about_contacts`` the
-        contact bodies. Raises PoseError for a frame that is missing or listed twice, and for other
-        frames that have never received a pose.
+        contact bodies. ``with_waiting`` takes frames that never received a pose to be at their
+        parents; the caller leaves their pairs out. Raises PoseError for a frame that is missing or
+        listed twice, and, without ``with_waiting``, for other frames that have never received a
+        pose.
         """
         state = state_of(context)
         world = state.up_to_date_world()
@@ -97,6 +100,8 @@ class PackedScene:
             raise PoseError(f'States were refused: these frames {problem}: {state.describe(bad)}.')
         rows = named.rows
         world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows])
+        if with_waiting:
+            _pose_waiting_frames(world)
         if waiting := world.unposed_frames().tolist():
             raise PoseError(
                 'States were refused: these frames, which they do not name, never had a pose: '
@@ -213,6 +218,13 @@ class PackedScene:
         rows = np.arange(1, count)
         world.set_poses(rows, self.R_PFs[1:].copy(), self.p_PFs[1:].copy())
         return world
+
+
+def _pose_waiting_frames(world: World) -> None:
+    """Pose the frames that never received a pose at their parents."""
+    absent = np.flatnonzero(np.isin(world.frames.ids, world.unposed_frames()))
+    if count := len(absent):
+        world.set_poses(absent, np.tile(np.eye(3), (count, 1, 1)), np.zeros((count, 3)))
 
 
 def _repacked(starts: Indices, pool: Floats, places: Indices) -> tuple[Indices, Floats]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -19,56 +19,79 @@ from drake_geom_ros.proximity_rules import (
     RuleStates,
     Why,
     scale_points,
+    stopping_points,
 )
 
-_NUMBERS = ('enter', 'leave', 'hold', 'enter_after', 'min_time_to_contact')
+_NUMBERS = (
+    *('enter', 'leave', 'hold', 'enter_after', 'min_time_to_contact'),
+    *('reaction_time', 'margin', 'max_speed'),
+)
+# Lists of each rule, and in the flat message the field with their counts.
+_COUNTS = {
+    'set_a': 'set_a_count',
+    'set_b': 'set_b_count',
+    'scale': 'scale_count',
+    'joint_names': 'joint_count',
+    'decelerations': 'deceleration_count',
+    'stopping_times': 'stopping_time_count',
+}
+_PAIRS = ('scale', 'stopping_times')  # lists of points
 
 
 def rule_from_message(message: Any) -> ProximityRule:
     """Return the rule of a ProximityRule message; raises RuleError for what cannot be."""
     try:
-        scale = scale_points(message.scale)
+        scale, times = scale_points(message.scale), stopping_points(message.stopping_times)
     except RuleError as error:
         raise RuleError(f'proximity rule {message.name[:80]!r}: {error}') from None
+    numbers: dict[str, Any] = {name: float(getattr(message, name)) for name in _NUMBERS}
     return ProximityRule(
         message.name,
         tuple(message.set_a),
         tuple(message.set_b),
         message.level,
-        **{name: float(getattr(message, name)) for name in _NUMBERS},
+        **numbers,
         when_stale=message.when_stale,
         scale=scale,
         acknowledge=bool(message.acknowledge),
+        joint_names=tuple(message.joint_names),
+        decelerations=tuple(map(float, message.decelerations)),
+        stopping_times=times,
+        stop_category=message.stop_category,
     )
 
 
 def rules_from_message(message: Any) -> list[ProximityRule]:
     """Return the rules of a ProximityRules message; raises RuleError for what cannot be."""
-    sets_a = _parts(message, 'set_a', message.set_a)
-    sets_b = _parts(message, 'set_b', message.set_b)
-    scales = _parts(message, 'scale', scale_points(message.scale))
-    return [
-        ProximityRule(
-            name,
-            sets_a[k],
-            sets_b[k],
-            message.level[k],
-            **{field: float(getattr(message, field)[k]) for field in _NUMBERS},
-            when_stale=message.when_stale[k],
-            scale=scales[k],
-            acknowledge=bool(message.acknowledge[k]),
-        )
-        for k, name in enumerate(message.name)
-    ]
+    flat = {field: getattr(message, field) for field in _COUNTS}
+    flat['scale'] = scale_points(message.scale)
+    flat['stopping_times'] = stopping_points(message.stopping_times)
+    flat['decelerations'] = list(map(float, message.decelerations))
+    lists = {field: _parts(message, field, values) for field, values in flat.items()}
+    return [_rule_of(message, k, lists) for k in range(len(message.name))]
+
+
+def _rule_of(message: Any, k: int, lists: Mapping[str, list[tuple[Any, ...]]]) -> ProximityRule:
+    """Return rule k of a ProximityRules message, with its parts of the flat ``lists``."""
+    fields: dict[str, Any] = {name: float(getattr(message, name)[k]) for name in _NUMBERS}
+    fields |= {field: parts[k] for field, parts in lists.items()}
+    return ProximityRule(
+        name=message.name[k],
+        level=message.level[k],
+        **fields,
+        when_stale=message.when_stale[k],
+        acknowledge=bool(message.acknowledge[k]),
+        stop_category=message.stop_category[k],
+    )
 
 
 def _parts(message: Any, field: str, values: Sequence[Any]) -> list[tuple[Any, ...]]:
     """Return the part of a flat field that is each rule's; raises RuleError for false counts."""
-    counts = np.array(getattr(message, f'{field}_count'), dtype=np.int64)
+    counts = np.array(getattr(message, _COUNTS[field]), dtype=np.int64)
     ends = np.cumsum(counts).tolist()
     if len(counts) != len(message.name) or counts.sum() != len(values):
         raise RuleError(
-            f'{len(message.name)} rules have {len(values)} {field}, and {field}_count is '
+            f'{len(message.name)} rules have {len(values)} {field}, and {_COUNTS[field]} is '
             f'{counts.tolist()[:20]}'
         )
     begins = [0, *ends]
@@ -79,17 +102,19 @@ def fill_rules(message: Any, rules: Sequence[ProximityRule]) -> None:
     """Fill a ProximityRules message."""
     message.name = [rule.name for rule in rules]
     message.level = uint8s(np.array([rule.level for rule in rules]))
+    message.stop_category = uint8s(np.array([rule.stop_category for rule in rules]))
     message.when_stale = [rule.when_stale for rule in rules]
     message.acknowledge = [rule.acknowledge for rule in rules]
     for field in _NUMBERS:
         setattr(message, field, floats(np.array([getattr(rule, field) for rule in rules])))
-    for field in ('set_a', 'set_b', 'scale'):
+    for field, counts in _COUNTS.items():
         lists = [getattr(rule, field) for rule in rules]
-        setattr(message, f'{field}_count', uint32s(np.array([len(each) for each in lists])))
-        if field != 'scale':
-            setattr(message, field, list(chain.from_iterable(lists)))
-    points = [number for rule in rules for point in rule.scale for number in point]
-    message.scale = floats(np.array(points))
+        setattr(message, counts, uint32s(np.array([len(each) for each in lists])))
+        every = list(chain.from_iterable(lists))
+        if field in _PAIRS:
+            setattr(message, field, floats(np.array(every, dtype=np.float64).ravel()))
+        else:
+            setattr(message, field, every)
 
 
 def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], str]) -> None:

@@ -17,10 +17,13 @@ from drake_geom_ros.live.conversions.proximity_rules import (
     fill_rules,
     fill_what_decided,
 )
+from drake_geom_ros.live.conversions.stopping import fill_speed_limits, fill_stopping
 from drake_geom_ros.live.outputs.effects import Beside
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.rule_states import fill_rule_states
+from drake_geom_ros.live.scene.scene_rules import Twists
 from drake_geom_ros.proximity_rules import Event, ProximityRule
+from drake_geom_ros.stopping import Stop
 
 _NO_RULE = 'no proximity rule'
 # [s] at most between two decisions, and two values of the scale: poses may stop to come.
@@ -31,11 +34,13 @@ _STATES_PERIOD = 0.1
 
 
 class RuleTopics(NamedTuple):
-    """The publishers of ~/proximity_events, ~/proximity_states and ~/speed_scale."""
+    """The publishers of the topics of proximity rules."""
 
     events: Any
     states: Any
     speed_scale: Any
+    speed_limit: Any
+    stopping: Any
 
     @classmethod
     def of(cls, publishers: Mapping[str, Any]) -> RuleTopics:
@@ -44,6 +49,8 @@ class RuleTopics(NamedTuple):
             events=publishers['~/proximity_events'],
             states=publishers['~/proximity_states'],
             speed_scale=publishers['~/speed_scale'],
+            speed_limit=publishers['~/speed_limit'],
+            stopping=publishers['~/stopping'],
         )
 
 
@@ -53,6 +60,8 @@ class RuleMessages(NamedTuple):
     ProximityEvents: Any
     ProximityRules: Any
     ProximityStates: Any
+    SpeedLimits: Any
+    Stopping: Any
     Float64: Any
 
 
@@ -92,6 +101,7 @@ class RuleEvents:
         self._topics, self._types = topics, types
         self._settings, self._did = settings, did
         self._decided = -math.inf  # [s] of steady time
+        self._period = PERIOD  # [s] until the next decision, by the last two
         self._told = -1  # the revision of the states that were published last
         self._stated = -math.inf  # [s] of steady time, when that was
         self._listed = _Listed(None, None)
@@ -107,7 +117,8 @@ class RuleEvents:
         scene.bind_rules()
         seen = None if distances is None else (distances, reach)
         unreliable = scene.blind_frames(settings.stale_after)
-        self._decided, twists = scene.clocks.steady(), scene.poses.twists()
+        twists = scene.poses.twists()
+        stops = self._stops(scene, twists)
         computed = rules.decide(
             self._decided,
             scene.query,
@@ -117,6 +128,7 @@ class RuleEvents:
             settings.time_budget,
             scene.maps.shells(),
             scene.maps.sights(),
+            stops,
         )
         self._tell(scene, rules.take_events())
         self._did(computed, time.perf_counter() - start)
@@ -131,10 +143,22 @@ class RuleEvents:
         if rules.rules and not rules.is_measured:
             self.look_at(scene, None, 0.0)
             return
-        self._decided = now
         if rules.rules:
-            rules.wait(now, scene.blind_frames(self._settings().stale_after))
+            stops = self._stops(scene, scene.poses.twists())  # what is older may be nearer
+            rules.wait(now, scene.blind_frames(self._settings().stale_after), stops)
+        self._decided = now
         self._tell(scene, rules.take_events())
+
+    def _stops(self, scene: HeldScene, twists: Twists | None) -> dict[str, Stop] | None:
+        """Return whether robots can stop now; the time of a cycle counts as their reaction."""
+        now, before = scene.clocks.steady(), self._decided
+        if before > -math.inf:
+            last, self._period = self._period, max(now - before, 0.0)
+            delay = max(last, self._period)
+        else:
+            delay = self._period
+        self._decided = now
+        return scene.stopping.stops(twists, self._settings().stale_after, delay)
 
     def forget(self) -> None:
         """Publish the states anew, for subscribers that received nothing meanwhile."""
@@ -165,3 +189,20 @@ class RuleEvents:
         scale = scene.rules.speed_scale()
         if scale is not None and self._topics.speed_scale.get_subscription_count():
             self._topics.speed_scale.publish(self._types.Float64(data=scale))
+        if scene.rules.stops:
+            self._tell_stops(scene)
+
+    def _tell_stops(self, scene: HeldScene) -> None:
+        """Publish whether robots can stop, and how fast they may go."""
+        stops = scene.rules.stops
+        if self._topics.speed_limit.get_subscription_count():
+            limits = self._types.SpeedLimits()
+            scene.moment().stamp_header(limits)
+            fill_speed_limits(limits, stops)
+            self._topics.speed_limit.publish(limits)
+        if self._topics.stopping.get_subscription_count():
+            message, moment = self._types.Stopping(), scene.moment()
+            moment.stamp_header(message)
+            message.scene_version = moment.version
+            fill_stopping(message, stops, scene.model.names.name_of_value)
+            self._topics.stopping.publish(message)

@@ -23,6 +23,7 @@ from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.live.scene.scene_snapshot import MAPS, SceneMark, SceneSnapshot
+from drake_geom_ros.live.scene.scene_stopping import SceneStopping
 from drake_geom_ros.live.scene.scene_tracked import NAMED_AS_TRACKED, SceneTracked
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.live.scene.waiting import Waiting, waiting
@@ -45,7 +46,7 @@ class HeldScene:
     - ``poses``: where frames are, since when, who posed them, and how they move.
     - ``filters``: transient filters with their owners and leases, and filters that wait.
     - ``maps``, ``tracked``: sensed maps, tracked bodies.
-    - ``cameras``, ``rules``: cameras, proximity rules.
+    - ``cameras``, ``rules``, ``stopping``: cameras, proximity rules, and whether robots can stop.
     - ``log``: lines for a node to log.
 
     Example::
@@ -65,6 +66,7 @@ class HeldScene:
         self.query: QueryObject = self.model.query  # live: it sees later poses
         self.rules = SceneRules()  # they outlive a scene that is replaced
         self.poses = ScenePoses(self.model, clocks, self.rules, self.log)
+        self.stopping = SceneStopping(self.model, self.poses, self.rules)
         self.filters = SceneFilters(self.model, clocks, self.log)
         self.maps = SceneMaps(self.model, self.rules)
         self.tracked = SceneTracked(self.model, clocks)

@@ -221,6 +221,10 @@ class ScenePoses:
         """Return since when a frame has its pose; None where it waits, or nobody knows."""
         return self.ages.since(frame.get_value())
 
+    def ages_now(self) -> Callable[[Since], float]:
+        """Return a function of ages [s], for which the clocks are read once."""
+        return self._clocks.ages()
+
     def blind_frames(self, stale_after: float) -> Blind:
         """Return the frames whose poses are older [s], never came, or are not to be trusted."""
         absent = {frame.get_value() for frame in self._model.query.waiting_frames()}

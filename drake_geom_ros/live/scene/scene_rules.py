@@ -41,6 +41,7 @@ from drake_geom_ros.proximity_rules import (
     WatchedPairs,
     unseen_of_groups,
 )
+from drake_geom_ros.stopping import Stop
 
 Twists = Mapping[FrameId, NDArray[np.float64]]
 _NO_PAIRS = ScenePairs(NamedGeometries([]), CandidatePairs.of_all(np.zeros(0, dtype=np.int64)))
@@ -83,6 +84,7 @@ class SceneRules:
         self._monitor = RuleMonitor(_NO_PAIRS)
         self._version, self._frames_version = GeometryVersion(), -1
         self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
+        self._carried: dict[int, NDArray[np.int64]] | None = None  # the same by ids
         self._frames = np.zeros(0, dtype=np.int64)  # of each geometry
         # [m] how far geometries reach from the origin of each frame; None: to be found
         self._extents: dict[FrameId, float] | None = None
@@ -290,6 +292,7 @@ class SceneRules:
         self._version, self._frames_version = bound.version, bound.frames_version
         self._extents = self._balls = None
         self._pairs, self._hanging, self._frames = bound.pairs, bound.hanging, bound.frames
+        self._carried = None
         self._happened += self._monitor.bind(bound.pairs, bound.watched)
 
     def decide(
@@ -302,6 +305,7 @@ class SceneRules:
         time_budget: float = 0.0,
         shells: Sequence[tuple[GeometryId, SeenShell]] = (),
         sights: Sequence[MapSights] = (),
+        stops: Mapping[str, Stop] | None = None,
     ) -> int:
         """Decide by the poses of now [s]; return how many pairs were computed for it.
 
@@ -309,7 +313,7 @@ class SceneRules:
         has them: what rules need beyond is computed, of their pairs alone, within a
         ``time_budget`` [s] (0: without one). ``shells`` are what sensors saw beside bodies, which
         counts as near for the rules about their maps; of bodies out of their ``sights`` nothing is
-        known.
+        known. ``stops`` are the answers of now for stoppable rules.
         """
         farthest = self._monitor.farthest(self._fastest(query.inspector(), twists))
         computed = 0
@@ -332,7 +336,7 @@ class SceneRules:
             known = np.array([frame.get_value() for frame in twists], dtype=np.int64)
             lost = ~np.isin(self._frames, known)
             measured = measured._replace(unpredicted=lost)
-        self._decide(now, unreliable, measured, farthest)
+        self._decide(now, unreliable, measured, farthest, stops)
         return computed
 
     def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
@@ -358,9 +362,9 @@ class SceneRules:
             self._balls = Balls.around(query.inspector(), self._pairs, self._frames, maps)
         return self._balls
 
-    def wait(self, now: float, unreliable: Blind) -> None:
+    def wait(self, now: float, unreliable: Blind, stops: Mapping[str, Stop] | None = None) -> None:
         """Decide [s] where nothing moved since, and only time went on."""
-        self._decide(now, unreliable, None)
+        self._decide(now, unreliable, None, stops=stops)
 
     def _decide(
         self,
@@ -368,12 +372,41 @@ class SceneRules:
         unreliable: Blind,
         measured: Measured | None,
         farthest: float = math.inf,
+        stops: Mapping[str, Stop] | None = None,
     ) -> None:
         poses = Poses(*map(self._rows, unreliable))
         changes = self._monitor.changes_of_state
-        events = self._monitor.decide(now, poses, measured, farthest)
+        events = self._monitor.decide(now, poses, measured, farthest, stops)
         self._happened += events
         self.revision += len(events) + self._monitor.changes_of_state - changes
+
+    @property
+    def watched(self) -> WatchedPairs:
+        """The pairs that the rules watch, another object where these change."""
+        return self._monitor.watched
+
+    @property
+    def stops(self) -> Mapping[str, Stop]:
+        """The last answers for stoppable rules, by their names."""
+        return self._monitor.stops
+
+    def sets_of(self, rule: ProximityRule) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return the geometries (n,), by the values of their ids, in the sets of a rule.
+
+        Both are empty where a name stands for nothing. The rule need not be one of the scene's.
+        """
+        if rule in self.rules:
+            return self._monitor.watched.sets_of(self.rules.index(rule))
+        sets = self._pairs.geometries.sets_of(rule, may_lack=False)
+        ids = np.array(self._pairs.ids, dtype=np.int64)
+        return ids[sets.in_a], ids[sets.in_b]
+
+    def frames_with_geometries(self) -> Mapping[int, NDArray[np.int64]]:
+        """Return by frame the geometries on it, and on what hangs on it, by values of ids."""
+        if self._carried is None:
+            ids = np.array(self._pairs.ids, dtype=np.int64)
+            self._carried = {frame: ids[rows] for frame, rows in self._hanging.items()}
+        return self._carried
 
     def take_events(self) -> list[Event]:
         """Return what happened since this was last called."""
@@ -414,6 +447,11 @@ class SceneRules:
                 f'rules {some_of(lost)}: until that is known they are entered by distance alone, '
                 'and not left; poses need stamps, or twists'
             )
+        troubles += [
+            f'proximity rule {name!r} proves no stop: {stop.trouble}'
+            for name, stop in self.stops.items()
+            if stop.trouble
+        ]
         need_twists = [rule.name for rule in self.rules if rule.min_time_to_contact]
         if need_twists and not watches_motion:
             troubles.append(

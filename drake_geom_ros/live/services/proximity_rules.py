@@ -25,6 +25,7 @@ def add_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
 
     def then(scene: HeldScene, _: None) -> str:
         scene.bind_rules()
+        scene.stopping.refuse(rule)
         state = scene.rules.add([rule])
         response.pairs, response.left_out_pairs = state.pairs, state.left_out
         scene.log.notes.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')

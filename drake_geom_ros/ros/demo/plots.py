@@ -11,7 +11,8 @@ from drake_geom_ros.ros.demo.recording import Recording
 _MOST_LISTED = 12  # changes of filters that have a number and a line of text: the last ones
 _MOST_LABELS = 12  # spells of contact that have a name; of more only the deepest one
 
-_LEVELS = {'warn': '#e6be00', 'slow': '#ff7800', 'stop': '#ff0000'}  # as the viewer has them
+# As the viewer has them.
+_LEVELS = {'warn': '#e6be00', 'slow': '#ff7800', 'stop': '#ff0000', 'stoppable': '#c800a0'}
 _BLUE, _GREEN, _RED, _GREY = '#1f5fa8', '#2a8a57', '#c0392b', '#555555'
 
 

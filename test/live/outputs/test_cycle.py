@@ -107,7 +107,7 @@ def pressed():
 
 def no_rules():
     """Return what decides about proximity rules, of which there is none."""
-    topics = RuleTopics(Topic(), Topic(), Topic())
+    topics = RuleTopics(*(Topic() for _ in range(5)))
     return RuleEvents(topics, Plain(), lambda: RuleSettings(1.0), lambda count, seconds: None)
 
 

@@ -44,6 +44,8 @@ TYPES = Plain(
     ProximityEvents=msg.ProximityEvents,
     ProximityRules=msg.ProximityRules,
     ProximityStates=msg.ProximityStates,
+    SpeedLimits=msg.SpeedLimits,
+    Stopping=msg.Stopping,
     Float64=Float64,
 )
 
@@ -54,7 +56,7 @@ class Ruled:
     def __init__(self, text=TEXT, stale_after=1.0, time_budget=0.0):
         self.clock = Clock()
         self.live = live_scene(text, self.clock)
-        self.topics = RuleTopics(Topic(), Topic(), Topic())
+        self.topics = RuleTopics(*(Topic() for _ in range(5)))
         self.computed = []
         settings = RuleSettings(stale_after, time_budget)
         did = lambda pairs, _: self.computed.append(pairs)  # noqa: E731

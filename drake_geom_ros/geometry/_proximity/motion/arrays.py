@@ -58,7 +58,10 @@ CURVE_WIDTH, VALUE_ROWS = 9, 12
 
 # Places of ``parameters``.
 LEVEL_GAP, TIME_TOLERANCE, MIN_DISTANCE, MOST_PADDING = 0, 1, 2, 3
-PARAMETER_COUNT = 4
+# The part of the current edge up to the posed state; when the edge begins and how long it takes
+# [s]; and the largest of ``approaches`` and of ``approached``.
+ELAPSED, EDGE_BEGIN, EDGE_SPAN, MOST_APPROACH, MOST_APPROACHED = 4, 5, 6, 7, 8
+PARAMETER_COUNT = 9
 # Places of ``flags``.
 KIND, MOST, IGNORES, CURVED = 0, 1, 2, 3
 FLAG_COUNT = 4
@@ -81,7 +84,9 @@ WAY = 0  # [m] no point of A moves farther than this relative to B
 SAG = 1  # [m] no point of A is farther than this from the chord of its path
 SLACK = 2  # [m] rounding of the interpolation
 LEAST = 3  # [m] the pair is clear while its distance is larger
-BOUND_WIDTH = 4
+CLOSING = 4  # [m] as far the bodies may approach each other by themselves on the current edge
+CLOSED = 5  # [m] and as far before it; LEAST holds it
+BOUND_WIDTH = 6
 
 # Places of ``outcome``: the span in which the search ended, the least of all proved lower bounds
 # [m], the least distance that was seen [m], and its time.
@@ -126,6 +131,9 @@ class MotionArrays(NamedTuple):
     pairs: IndexPairs  # (k, 2)
     paddings: Reals  # (k,) [m] of both bodies
     skipped: Flags  # (k,) pairs that are left out
+    approaches: Reals  # (k,) [m/s] at most, beside the motion that is checked
+    approached: Reals  # (k,) [m] at most, at time 0
+    examined: Flags  # (k,) pairs that boxes alone did not prove clear
     # Groups, and the common node of each pair of groups.
     firsts: Integers
     members: Integers

@@ -9,13 +9,19 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     AT_BEGIN,
     AT_END,
     CLEAR,
+    CLOSED,
+    CLOSING,
     CONTACT,
+    EDGE_BEGIN,
+    EDGE_SPAN,
     IGNORED,
     IGNORES,
     LEAST,
     LOWER,
     LOWER_BOUND,
     MIN_DISTANCE,
+    MOST_APPROACH,
+    MOST_APPROACHED,
     MOST_PADDING,
     NO_POSE,
     NO_ROOM,
@@ -64,6 +70,9 @@ def _is_far(motion: MotionArrays, m: int, A: Rates, B: Rates, slack: float) -> b
     a, b = motion.group_pairs[m, 0], motion.group_pairs[m, 1]
     r_a, r_b = motion.group_reaches[a], motion.group_reaches[b]
     way = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
+    end = motion.parameters[EDGE_BEGIN] + motion.parameters[EDGE_SPAN]
+    closed = motion.parameters[MOST_APPROACHED] + motion.parameters[MOST_APPROACH] * end
+    way += closed * ROUNDED_UP
     least = motion.separations[m] - way - slack - motion.parameters[MOST_PADDING]
     if not least > motion.parameters[MIN_DISTANCE]:
         return False
@@ -98,13 +107,16 @@ def _put_bounds(
         else:
             r_b += plane_reach(motion, world.p_WGs, b, a, far + world.outer[a])
             bends = B.speed_r == 0.0
-    bound[WAY] = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
+    closing = motion.approaches[k] * motion.parameters[EDGE_SPAN] * ROUNDED_UP
+    closed = motion.approached[k] + motion.approaches[k] * motion.parameters[EDGE_BEGIN]
+    bound[CLOSING], bound[CLOSED] = closing, closed * ROUNDED_UP
+    bound[WAY] = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP + closing
     # A plane turns with its half space: no normal stays constant.
     sag = 0.125 * (A.bend + A.bend_r * r_a + B.bend + B.bend_r * r_b) * ROUNDED_UP
     bound[SAG] = sag if bends else math.inf
     slack = rounding_of_body(motion, motion.on[a], r_a)
     bound[SLACK] = (slack + rounding_of_body(motion, motion.on[b], r_b)) * ROUNDED_UP
-    bound[LEAST] = motion.parameters[MIN_DISTANCE] + motion.paddings[k]
+    bound[LEAST] = motion.parameters[MIN_DISTANCE] + motion.paddings[k] + bound[CLOSED]
 
 
 @inlined
@@ -147,6 +159,7 @@ def _examine(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count:
     least = least_possible(a, b, bodies)
     if is_proved(motion, k, least - way - slack):
         return 0
+    motion.examined[k] = True
     if count >= motion.entries.shape[0] or 2 * count + 1 >= motion.records.shape[0]:
         return -NO_ROOM
     gap = put_plane(motion, world, k, node, first_guess(world, a, b), 2 * count)

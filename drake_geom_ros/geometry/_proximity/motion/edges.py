@@ -10,6 +10,8 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     CURVE_WIDTH,
     CURVED,
     EDGE,
+    EDGE_BEGIN,
+    EDGE_SPAN,
     EVALUATIONS,
     FIRST_VALUE,
     IGNORED,
@@ -58,13 +60,15 @@ def _put_edge(motion: MotionArrays, path: Floats, curves: Floats, edge: int) -> 
 
 
 @allocating
-def check_edges(handle: Handle, path: Floats, curves: Floats, first: int, last: int) -> int:
+def check_edges(
+    handle: Handle, path: Floats, curves: Floats, times: Floats, first: int, last: int
+) -> int:
     """Return the verdict about the edges of a path (k, c), from row ``first`` to row ``last``.
 
     The check ends with the first edge that is not CLEAR; ``outcome`` and ``counts`` have the
-    details. ``curves`` are those of a ``JointPath``. A path without joint values (k, 0) is the
-    motion of the frames that was set. Only at row 0 may pairs be left out because they are not
-    clear at the start.
+    details. ``curves`` and ``times`` are those of a ``JointPath``. A path without joint
+    values (k, 0) is the motion of the frames that was set. Only at row 0 may pairs be left out
+    because they are not clear at the start.
     """
     motion = motions_of(handle)
     motion.outcome[LOWER_BOUND], motion.outcome[SEEN] = math.inf, math.inf
@@ -78,6 +82,8 @@ def check_edges(handle: Handle, path: Floats, curves: Floats, first: int, last: 
         motion.counts[EDGE] = edge
         motion.flags[IGNORES] = ignores if edge == 0 else 0
         _put_edge(motion, path, curves, edge)
+        motion.parameters[EDGE_BEGIN] = times[edge]
+        motion.parameters[EDGE_SPAN] = times[edge + 1] - times[edge]
         prepare(handle)
         count = begin(handle)
         verdict = -count if count < 0 else CLEAR

@@ -26,6 +26,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     ANGLE,
     AXIS,
     CURVED,
+    ELAPSED,
     FIRST_VALUE,
     JOINTS,
     KIND,
@@ -212,6 +213,7 @@ def put_state(handle: Handle, t: float) -> bool:
     """Pose the world at a time of the motion; return whether all poses are valid."""
     motion = motions_of(handle)
     world: Handle = motion.world
+    motion.parameters[ELAPSED] = t
     if motion.flags[KIND] == JOINTS:
         _put_links(motion, t)
         return pose_state(row(motion.poses, 0), motion.rows, motion.Xs, world)

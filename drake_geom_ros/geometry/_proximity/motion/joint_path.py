@@ -19,15 +19,19 @@ class JointPath(NamedTuple):
     value is ``row + s a[0] + s^2 a[1] + ... + s^5 a[4]`` at s from 0 to 1. After these five
     coefficients come bounds over the edge: of the first derivative and of the second one in s, of
     the size of the value, and of the rounding of the sum. The value at s = 1 is the next row.
+
+    ``times`` (k,) [s], never descending, are when each row is reached. They matter to pairs that
+    may approach each other by themselves meanwhile; within an edge time is linear in s.
     """
 
     rows: Floats
     curves: Floats
+    times: Floats
 
     @classmethod
     def straight(cls, rows: Floats) -> JointPath:
         """Return the path that is straight from row to row."""
-        return cls(rows, np.zeros((0, CURVE_WIDTH, rows.shape[1])))
+        return cls(rows, np.zeros((0, CURVE_WIDTH, rows.shape[1])), np.zeros(len(rows)))
 
     def is_still(self, first: int, last: int) -> bool:
         """Return whether no value changes from row ``first`` to row ``last``."""

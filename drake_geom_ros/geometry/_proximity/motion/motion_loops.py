@@ -28,6 +28,8 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     LOWER_BOUND,
     MIN_DISTANCE,
     MOST,
+    MOST_APPROACH,
+    MOST_APPROACHED,
     MOST_PADDING,
     MOVE_WIDTH,
     NO_ROOM,
@@ -53,8 +55,8 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, Pa
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, moved_together
-from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE
-from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain
+from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE, ROUNDED_UP
+from drake_geom_ros.geometry._proximity.world.joint_poses import PRISMATIC, REVOLUTE, JointChain
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
 
@@ -115,11 +117,50 @@ class MotionLoops:
         self._handle = handle_of(self._arrays)
 
     def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
-        """Pose the frames that stay, by R (nf, 3, 3) and p (nf, 3) of all; not with a chain."""
+        """Pose the frames that stay, by R (nf, 3, 3) and p (nf, 3) of all."""
         still = np.setdiff1d(np.arange(1, len(p_PFs)), self._arrays.rows)
         self._world.set_poses(still, R_PFs[still], p_PFs[still])
         self._world.update()
-        self._arrays.nodes[still, OFFSET] = offsets_of(p_PFs[still])
+        links = len(self._arrays.X_WLs)
+        self._arrays.nodes[links + still, OFFSET] = offsets_of(p_PFs[still])
+
+    def drive_by(self, chain: JointChain) -> None:
+        """Take the numbers of a chain with the same links and columns as the one at first."""
+        for name, array in chain._asdict().items():
+            getattr(self._arrays, _NAMES.get(name, name))[:] = array
+        roots = np.setdiff1d(np.arange(len(chain.X_WLs)), chain.children)
+        self._arrays.nodes[1 + roots, OFFSET] = offsets_of(chain.X_WLs[roots, :3])
+
+    def approach(self, speeds: Floats, approached: Floats) -> None:
+        """Let pairs (k,) approach each other by themselves, beside the motion that is checked.
+
+        At time 0 of a path they have done so by at most ``approached`` [m], and later they do at
+        ``speeds`` [m/s] at most.
+        """
+        arrays = self._arrays
+        arrays.approaches[:], arrays.approached[:] = speeds, approached
+        most = speeds.max(initial=0.0), approached.max(initial=0.0)
+        arrays.parameters[[MOST_APPROACH, MOST_APPROACHED]] = most
+
+    def ways(self, places: Indices, speeds: Floats) -> Floats:
+        """Return bounds of how fast any point of geometries moves in World, for joint ``speeds``.
+
+        For the values of the last path that was followed, and geometries by their ``places``. In
+        [m/s] for speeds (c,) in [rad/s] or [m/s].
+        """
+        arrays, bounds = self._arrays, np.zeros(len(places))
+        leaders, kinds = arrays.leaders, arrays.kinds
+        rates = np.where(leaders >= 0, speeds[leaders] * np.abs(arrays.multipliers), 0.0)
+        turns, slides = np.zeros((2, len(arrays.parents)))
+        turns[1 + arrays.children] = np.where(kinds == REVOLUTE, rates, 0.0)
+        slides[1 + arrays.children] = np.where(kinds == PRISMATIC, rates, 0.0)
+        for k, place in enumerate(places.tolist()):
+            node, reach = int(arrays.on[place]), float(arrays.reaches[place])
+            while node:
+                bounds[k] += slides[node] + (turns[node] * reach if turns[node] else 0.0)
+                reach += arrays.nodes[node, OFFSET]
+                node = int(arrays.parents[node])
+        return bounds * ROUNDED_UP
 
     def ask(
         self,
@@ -133,6 +174,11 @@ class MotionLoops:
         longest = max(time_tolerance, LEAST_TIME_TOLERANCE)
         self._arrays.parameters[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, longest
         self._arrays.flags[[MOST, IGNORES]] = max_evaluations, int(ignores)
+
+    @property
+    def examined(self) -> NDArray[np.bool_]:
+        """Flags (k,) of pairs that boxes did not prove clear since they were reset."""
+        return self._arrays.examined
 
     @property
     def skipped(self) -> NDArray[np.bool_]:
@@ -171,7 +217,7 @@ class MotionLoops:
     def row(self, path: JointPath, edge: int, t: float, pair: int) -> PairBatch:
         """Return the answer of one pair at a time of an edge, which poses the world there."""
         batch = PairBatch(np.zeros((1, 2), dtype=np.int64), np.zeros((1, BATCH_WIDTH)))
-        row_of_pair(self._handle, *path, edge, t, pair, batch.ids, batch.rows)
+        row_of_pair(self._handle, path.rows, path.curves, edge, t, pair, batch.ids, batch.rows)
         return batch
 
 
@@ -209,6 +255,9 @@ def _arrays(
         pairs=pairs,
         paddings=paddings[pairs].sum(axis=1),
         skipped=np.zeros(len(pairs), dtype=np.bool_),
+        approaches=np.zeros(len(pairs)),
+        approached=np.zeros(len(pairs)),
+        examined=np.zeros(len(pairs), dtype=np.bool_),
         firsts=groups.firsts,
         members=groups.members,
         group_pairs=groups.pairs,

@@ -1,4 +1,9 @@
-"""Records of a pair at one time, from its kernel or a plane, and the bounds that they prove."""
+"""Records of a pair at one time, from its kernel or a plane, and the bounds that they prove.
+
+Where bodies may also approach each other by themselves, as people do beside a robot, all bounds
+of a record are less by that approach since the begin of the edge. It is linear in time: a gap
+deviates no more from its chord, and the way of the pair is longer by it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +17,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.vectors import unit, vector_in
 from drake_geom_ros.geometry._proximity.motion.arrays import (
     ANSWER,
+    CLOSED,
+    CLOSING,
     EDGE,
+    ELAPSED,
     EVALUATIONS,
     GAP,
     LEAST,
@@ -71,12 +79,21 @@ def answer_pair(handle: Handle, k: int) -> None:
 
 
 @inlined
+def _slack_now(motion: MotionArrays, k: int) -> float:
+    """Return how much nearer [m] a pair may be than at the current poses.
+
+    That is the rounding of its interpolation, and its approach on the current edge by itself.
+    """
+    return motion.bounds[k, SLACK] + motion.bounds[k, CLOSING] * motion.parameters[ELAPSED]
+
+
+@inlined
 def put_plane(
     motion: MotionArrays, world: WorldArrays, k: int, node: int, n: Vector, r: int
 ) -> float:
     """Write a record of a plane with unit normal n in World; return its gap [m]."""
     record, n_N = row(motion.records, r), in_node(motion, world, node, n)
-    gap = gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - motion.bounds[k, SLACK]
+    gap = gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - _slack_now(motion, k)
     for c in range(3):
         record[PLANE + c] = n_N[c]
     record[GAP], record[LOWER], record[UPPER] = gap, gap, math.inf
@@ -94,8 +111,9 @@ def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
     gap = put_plane(
         motion, world_of(motion.world), k, node, unit(normal_of_answer(out, NORMAL)), r
     )
-    motion.records[r, LOWER] = max(gap, out[DISTANCE] - out[ERROR_BOUND] - slack)
-    motion.records[r, UPPER] = out[DISTANCE] + out[ERROR_BOUND] + slack
+    closed = motion.bounds[k, CLOSING] * motion.parameters[ELAPSED]
+    motion.records[r, LOWER] = max(gap, out[DISTANCE] - out[ERROR_BOUND] - slack - closed)
+    motion.records[r, UPPER] = out[DISTANCE] + out[ERROR_BOUND] + slack - closed
     motion.records[r, ANSWER] = out[DISTANCE] - motion.paddings[k]
 
 
@@ -115,7 +133,7 @@ def count_seen(motion: MotionArrays, k: int, t: float, r: int) -> None:
 def gap_now(motion: MotionArrays, world: WorldArrays, k: int, node: int, r: int) -> float:
     """Return the gap [m] that the plane of a record leaves at the current poses."""
     n = in_world(motion, world, node, vector_in(motion.records, r, PLANE))
-    return gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - motion.bounds[k, SLACK]
+    return gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - _slack_now(motion, k)
 
 
 @inlined
@@ -137,7 +155,8 @@ def is_proved(motion: MotionArrays, k: int, bound: float) -> bool:
     """Return whether a lower bound [m] proves a pair clear; if so, include it in LOWER_BOUND."""
     if not bound > motion.bounds[k, LEAST]:
         return False
-    motion.outcome[LOWER_BOUND] = min(motion.outcome[LOWER_BOUND], bound - motion.paddings[k])
+    distance = bound - motion.paddings[k] - motion.bounds[k, CLOSED]
+    motion.outcome[LOWER_BOUND] = min(motion.outcome[LOWER_BOUND], distance)
     return True
 
 

@@ -1,0 +1,115 @@
+"""Motions of joints in a live scene: prepared once, and asked again as other bodies move."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.joint_trees import JointChain
+from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.math.array_types import Floats, Indices
+
+Flags = NDArray[np.bool_]
+
+
+class JointMotions:
+    """The pairs of one version of a scene, and which joint values move their bodies.
+
+    ``ids`` (n,) are the geometries, ascending, and identify them by place. ``pairs`` (k, 2) are
+    those that may be reported, ``half_spaces`` (m, 2) those of two half spaces, both by place.
+    ``moved_by`` (n, c) flags the columns of joint values that move a geometry in the world, and
+    ``can_move`` (n,) the geometries that something else may move, too: sensed maps, and whatever
+    hangs on a frame that is not a link, nor welded to the world, nor one of those at rest.
+    """
+
+    def __init__(
+        self,
+        context: SceneGraphContext,
+        chain: JointChain,
+        frame_ids: Indices,
+        columns: int,
+        accuracy: str = '',
+        resting: Collection[int] = (),
+    ) -> None:
+        """``frame_ids`` (f,) are the frames of the chain's ``links``; ``resting`` ones stand.
+
+        Raises PoseError for frames that are not in the scene.
+        """
+        self._context = context
+        self._level = accuracy or default_accuracy(context)
+        self._mark = _mark(context)
+        self._chain, self._columns = chain, columns
+        self._scene, self.ids = PackedScene.of(
+            context, frame_ids, about_points=False, with_waiting=True
+        )
+        self.pairs, self.half_spaces = self._scene.pairs, self._scene.half_spaces
+        of_frames = _columns_of_frames(self._scene, chain, columns)
+        self.moved_by: Flags = of_frames[self._scene.frames]
+        self.can_move: Flags = self._movable(frame_ids, resting)
+
+    def is_of_now(self, context: SceneGraphContext) -> bool:
+        """Return whether the scene of a context is still the same, but for poses."""
+        return self._mark == _mark(context)
+
+    def queries(self, pairs: Indices) -> MotionQueries:
+        """Return queries about the motion of some pairs (k, 2), by place."""
+        none = np.zeros((0, 2), dtype=np.int64)
+        scene = replace(self._scene, pairs=np.ascontiguousarray(pairs), half_spaces=none)
+        stop = np.zeros(1, dtype=np.int64)
+        return MotionQueries(scene, self._level, stop, self._chain, self._columns)
+
+    def poses(self) -> tuple[Floats, Floats]:
+        """Return R_PF (nf, 3, 3) and p_PF (nf, 3) of all frames now, by place."""
+        world = state_of(self._context).up_to_date_world()
+        return world.R_PFs, world.p_PFs
+
+    def unplaced(self) -> Flags:
+        """Return the geometries (n,) on frames that never had a pose, nor follow joints."""
+        world = state_of(self._context).up_to_date_world()
+        lost = ~world.placed
+        lost[self._scene.moved] = False
+        return np.asarray(lost[self._scene.frames])
+
+    def _movable(self, frame_ids: Indices, resting: Collection[int]) -> Flags:
+        """Return which geometries (n,) neither joints nor the world hold."""
+        state = state_of(self._context)
+        ids = state.up_to_date_world().frames.ids
+        driven = np.isin(ids, frame_ids)
+        held = driven | np.isin(ids, [*state.filters.welded, *resting])
+        stays, carried = np.zeros((2, len(ids)), dtype=np.bool_)
+        stays[0] = True
+        for frame, parent in enumerate(self._scene.parents.tolist()):
+            if frame:  # what hangs on a link moves with that alone
+                stays[frame] = stays[parent] and (held[frame] or carried[parent])
+                carried[frame] = driven[frame] or carried[parent]
+        is_map = np.isin(self._scene.types, (OCCUPIED_CELLS, POINT_CLOUD))
+        return ~stays[self._scene.frames] | is_map
+
+
+def _mark(context: SceneGraphContext) -> tuple[object, ...]:
+    state = state_of(context)
+    return state.model.versions.any, state.filters.version, frozenset(state.filters.welded)
+
+
+def _columns_of_frames(scene: PackedScene, chain: JointChain, columns: int) -> Flags:
+    """Return the mask (nf, c) of the columns that move each frame in the world."""
+    of_links = np.zeros((len(chain.X_WLs), columns), dtype=np.bool_)
+    for j, (parent, child) in enumerate(zip(chain.parents, chain.children, strict=True)):
+        of_links[child] |= of_links[parent]
+        if chain.kinds[j] and chain.leaders[j] >= 0:
+            of_links[child, chain.leaders[j]] = True
+    of_frames = np.zeros((len(scene.parents), columns), dtype=np.bool_)
+    links = dict(zip(scene.moved.tolist(), chain.links.tolist(), strict=True))
+    for frame, parent in enumerate(scene.parents.tolist()):
+        if frame:
+            of_frames[frame] = of_frames[parent]
+        if frame in links:
+            of_frames[frame] |= of_links[links[frame]]
+    return of_frames

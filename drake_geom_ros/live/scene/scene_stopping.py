@@ -1,0 +1,180 @@
+"""Whether the robots of the live scene can still stop, for its rules of level STOPPABLE."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError, FrameId
+from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN
+from drake_geom_ros.live.scene.driven_robot import Base, DrivenRobot
+from drake_geom_ros.live.scene.scene_model import SceneModel
+from drake_geom_ros.live.scene.scene_poses import ScenePoses
+from drake_geom_ros.live.scene.scene_rules import SceneRules, Twists
+from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.proximity_rules import Level, ProximityRule, RuleError
+from drake_geom_ros.stopping import (
+    BrakingError,
+    Robot,
+    RobotState,
+    Stop,
+    StoppingCheck,
+    StoppingQuestion,
+)
+
+
+class _Prepared(NamedTuple):
+    """A check, and what it was made for."""
+
+    check: StoppingCheck
+    rules: tuple[ProximityRule, ...]
+    watched: object  # the watched pairs of the scene's version
+    robots: tuple[DrivenRobot, ...]
+    resting: frozenset[int]
+
+    def is_for(self, other: _Prepared) -> bool:
+        same = self.watched is other.watched and self.resting == other.resting
+        return same and self.rules == other.rules and self.robots == other.robots
+
+
+class SceneStopping:
+    """Answers of ``StoppingCheck`` about the live scene, prepared anew where the scene changes."""
+
+    def __init__(self, model: SceneModel, poses: ScenePoses, rules: SceneRules) -> None:
+        self._model, self._poses, self._rules = model, poses, rules
+        self._prepared: _Prepared | None = None
+
+    def stops(
+        self, twists: Twists | None, stale_after: float, delay: float
+    ) -> dict[str, Stop] | None:
+        """Return the answer for each rule of level STOPPABLE by its name; None: there is none.
+
+        ``twists`` V_WF (6,) of now are by frame; ``delay`` [s] passes until the next decision.
+        Joint values older than ``stale_after`` [s] prove nothing. The rules are bound already.
+        """
+        rules = tuple(rule for rule in self._rules.rules if rule.level == Level.STOPPABLE)
+        if not rules:
+            self._prepared = None
+            return None
+        robots = tuple(self._model.joints.robots.values())
+        prepared = self._prepared_for(rules, robots)
+        states = self._states(robots, twists or {}, stale_after)
+        ages = self._ages(prepared.check.ids, robots)
+        answers = prepared.check.stops(states, ages, delay)
+        return {rule.name: stop for rule, stop in zip(rules, answers, strict=True)}
+
+    def refuse(self, rule: ProximityRule) -> None:
+        """Raise RuleError for a rule whose braking names what is not in the scene."""
+        if rule.level != Level.STOPPABLE:
+            return
+        robots = [_robot(robot) for robot in self._model.joints.robots.values()]
+        question = _question(rule, *self._rules.sets_of(rule))
+        try:
+            StoppingCheck(self._model.context, robots, [question])
+        except (BrakingError, ArgumentError) as error:
+            raise RuleError(f'proximity rule {rule.name[:80]!r}: {error}') from None
+
+    def _prepared_for(
+        self, rules: tuple[ProximityRule, ...], robots: tuple[DrivenRobot, ...]
+    ) -> _Prepared:
+        """Return a check of the scene as it is now."""
+        now = self._prepared
+        watched, resting = self._rules.watched, self._resting(robots)
+        if now is not None:
+            other = now._replace(rules=rules, watched=watched, robots=robots, resting=resting)
+            if now.is_for(other):
+                return now
+        questions = [_question(rule, *self._rules.sets_of(rule)) for rule in rules]
+        check = StoppingCheck(
+            self._model.context,
+            [_robot(robot) for robot in robots],
+            questions,
+            resting=resting,
+            may_wait=True,
+        )
+        self._prepared = _Prepared(check, rules, watched, robots, resting)
+        return self._prepared
+
+    def _resting(self, robots: Sequence[DrivenRobot]) -> frozenset[int]:
+        """Return the frames with geometries that nothing moves, without links of robots."""
+        since, driven = self._poses.ages.since, _links_of(robots)
+        return frozenset(
+            frame
+            for frame in self._rules.frames_with_geometries()
+            if frame not in driven and since(frame) == ALWAYS
+        )
+
+    def _ages(self, ids: NDArray[np.int64], robots: Sequence[DrivenRobot]) -> Floats:
+        """Return the age [s] (n,) of the pose of each geometry that does not follow joints."""
+        ages, driven = np.zeros(len(ids)), _links_of(robots)
+        age = self._poses.ages_now()
+        for frame, geometries in self._rules.frames_with_geometries().items():
+            if frame not in driven:
+                since = self._poses.ages.since(frame)
+                seconds = math.inf if since is None else age(since)
+                rows = np.searchsorted(ids, geometries)
+                ages[rows] = np.maximum(ages[rows], seconds)
+        return ages
+
+    def _states(
+        self, robots: Sequence[DrivenRobot], twists: Twists, stale_after: float
+    ) -> list[RobotState]:
+        """Return how each robot moves now."""
+        since = self._poses.ages.since
+        sinces = [None if r.root_value is None else since(r.root_value) for r in robots]
+        bases = self._model.joints.bases(robots, self._model.query, sinces)
+        age = self._poses.ages_now()
+        states = []
+        for robot, base in zip(robots, bases, strict=True):
+            heard = [v.since for v in robot.values if v and v.since not in (ALWAYS, UNKNOWN)]
+            moved = [*heard, *([base.since] if base and base.since != ALWAYS else [])]
+            oldest = max((age(moment) for moment in moved), default=0.0)
+            states.append(
+                RobotState(
+                    robot.described_X_PB if base is None else base.X_PB,
+                    robot.positions(),
+                    robot.speeds(),
+                    self._twist_of(robot, base, twists),
+                    oldest if oldest <= stale_after else math.inf,
+                )
+            )
+        return states
+
+    def _twist_of(
+        self, robot: DrivenRobot, base: Base | None, twists: Mapping[FrameId, Floats]
+    ) -> Floats | None:
+        """Return V_PB (6,) of a base; None: it rests, in what carries it; NaN: unknown."""
+        if robot.root is None or (base is not None and base.since == ALWAYS):
+            return None
+        if self._model.is_mounted(robot.root):
+            return None
+        return np.asarray(twists.get(robot.root, np.full(6, math.nan)))
+
+
+def _question(
+    rule: ProximityRule, set_a: NDArray[np.int64], set_b: NDArray[np.int64]
+) -> StoppingQuestion:
+    """Return the question of a rule about the geometries of its sets."""
+    sets = set_a.tolist(), set_b.tolist()
+    return StoppingQuestion(rule.braking, *sets, rule.margin, rule.max_speed)
+
+
+def _robot(robot: DrivenRobot) -> Robot:
+    """Return a robot of the scene as checks take it."""
+    return Robot(
+        robot.name,
+        tuple(robot.joint_names),
+        robot.tree,
+        np.array(list(robot.links), dtype=np.int64),
+        np.array(list(robot.links.values()), dtype=np.int64),
+        robot.root_value or 0,
+    )
+
+
+def _links_of(robots: Sequence[DrivenRobot]) -> frozenset[int]:
+    """Return the frames that joints pose."""
+    return frozenset(frame for robot in robots for frame in robot.links.values())

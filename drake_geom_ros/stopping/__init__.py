@@ -1,0 +1,27 @@
+"""Stopping: whether robots that begin to brake now stand before they touch anything.
+
+The answer is certified for all times of the motion, and for everything that may come towards them
+meanwhile. Nothing here has a safety rating.
+"""
+
+from drake_geom_ros.stopping.braking import Braking, BrakingError, StopCategory
+from drake_geom_ros.stopping.robots import Robot, RobotState, robots_of
+from drake_geom_ros.stopping.stopping_check import (
+    RESOLUTION,
+    Stop,
+    StoppingCheck,
+    StoppingQuestion,
+)
+
+__all__ = [
+    'RESOLUTION',
+    'Braking',
+    'BrakingError',
+    'Robot',
+    'RobotState',
+    'Stop',
+    'StopCategory',
+    'StoppingCheck',
+    'StoppingQuestion',
+    'robots_of',
+]
