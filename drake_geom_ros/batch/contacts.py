@@ -9,22 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch.names import PairNames
+from drake_geom_ros.common.tables import Columns, Tabular
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.geometry.queries.contact_bodies import NoSurface
 from drake_geom_ros.geometry.queries.contact_queries import Contacts
+from drake_geom_ros.geometry.queries.contact_surfaces import SURFACE_COLUMNS
 from drake_geom_ros.math.array_types import Floats, Indices
 
-# Columns, and the corresponding arrays of the surfaces of a state.
-_OF_SURFACES = {
-    'id_M': 'id_M',
-    'id_N': 'id_N',
-    'area': 'areas',
-    'centroid': 'centroids',
-    'centre_of_pressure': 'centres_of_pressure',
-    'force_on_M_W': 'forces_on_M_W',
-    'torque_on_M_Wo_W': 'torques_on_M_Wo_W',
-    'max_pressure': 'max_pressures',
-}
 _OF_OTHERS = ('id_A', 'id_B', 'depth', 'error_bound')
 
 
@@ -46,7 +37,7 @@ class _ContactsOfStates(NamedTuple):
     reason: Indices  # (p,) values of NoSurface
 
 
-class ContactsOfStates(PairNames, _ContactsOfStates):
+class ContactsOfStates(Tabular, PairNames, _ContactsOfStates):
     """The contact surfaces of N states, and the overlapping pairs without one.
 
     Surfaces of state s are rows ``offsets[s]`` to ``offsets[s + 1]``, sorted by (id_M, id_N), with
@@ -64,6 +55,28 @@ class ContactsOfStates(PairNames, _ContactsOfStates):
     def name_N(self) -> NDArray[np.str_]:
         """The names (k,) of the geometries of higher id."""
         return self.names_of(self.id_N)
+
+    def columns(self) -> Columns:
+        """Return a row for each overlapping pair, after its ``state``, as columns by name.
+
+        In each state those with a surface come first. Missing values are NaN; ``reason`` is 0 for
+        a surface, and of the others a value of NoSurface.
+        """
+        counts = np.diff(self.offsets)
+        fields = {**self._asdict(), 'counts': counts, 'point_counts': np.diff(self.point_offsets)}
+        rows = rows_of_pairs(fields)
+        columns: Columns = {'state': np.repeat(np.arange(len(counts)), rows.pop('counts'))}
+        for name, values in rows.items():
+            columns[name] = values
+            if name.startswith('id_') and self._name_of:
+                columns[name.replace('id_', 'name_')] = self.names_of(values)
+        return columns
+
+    def __repr__(self) -> str:
+        return (
+            f'<ContactsOfStates: {len(self.area)} surfaces and {len(self.depth)} pairs without '
+            f'one of {len(self.offsets) - 1} states>'
+        )
 
     def total_areas(self, *, with_fallback: bool = False) -> Floats:
         """Return the total area (N,) [m^2] of the surfaces of each state, 0 without contact.
@@ -103,7 +116,7 @@ def rows_of_pairs(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
         'id_B': np.concatenate((columns['id_N'], columns['id_B'])),
         'reason': np.concatenate((np.zeros(k, dtype=np.int64), columns['reason'])),
     }
-    for name in _OF_SURFACES:
+    for name in SURFACE_COLUMNS:
         if name not in ('id_M', 'id_N'):
             nothing = np.full((p, *columns[name].shape[1:]), np.nan)
             joined[name.replace('_M_', '_A_')] = np.concatenate((columns[name], nothing))
@@ -114,13 +127,13 @@ def rows_of_pairs(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 
 def contact_columns(each: Iterable[Contacts]) -> dict[str, NDArray[Any]]:
     """Return the contacts of states, one after another, by column."""
-    rows: dict[str, list[Any]] = {name: [] for name in (*_OF_SURFACES, *_OF_OTHERS, 'reason')}
+    rows: dict[str, list[Any]] = {name: [] for name in (*SURFACE_COLUMNS, *_OF_OTHERS, 'reason')}
     counts, point_counts = [], []
     for surfaces, others, reasons in each:
         counts.append(len(surfaces))
         point_counts.append(len(others))
         # Copies, so that the polygons behind them can be freed.
-        for name, array in _OF_SURFACES.items():
+        for name, array in SURFACE_COLUMNS.items():
             rows[name].append(getattr(surfaces, array).copy())
         for name in _OF_OTHERS:
             rows[name].append(getattr(others, name).copy())

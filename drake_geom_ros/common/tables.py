@@ -34,13 +34,17 @@ class Tabular:
         return pd.DataFrame(flat_columns(self.columns()))
 
     def _repr_html_(self) -> str:
-        """Return the nearest results as a table, for notebooks."""
+        """Return the nearest results, or the largest surfaces, as a table for notebooks."""
         columns = flat_columns(self.columns())
-        key = columns['distance'] if 'distance' in columns else -columns['depth']
+        which, key = 'nearest', columns.get('distance')
+        if 'area' in columns:
+            which, key = 'largest', -columns['area']
+        elif key is None:
+            key = -columns['depth']
         order = np.argsort(key, kind='stable')[:SHOWN_ROWS]
         names = [name for name in columns if not name.startswith(('id_', 'gradient', 'joint_'))]
         shown = {name: [_text(value) for value in columns[name][order]] for name in names}
-        return html_table(f'{self!r}; the nearest {len(order)}', shown)
+        return html_table(f'{self!r}; the {which} {len(order)}', shown)
 
 
 def flat_columns(columns: Columns) -> Columns:

@@ -125,6 +125,29 @@ def test_each_state_is_what_a_fresh_context_tells(scene, states):
     assert {NoSurface.NO_PROPERTIES, NoSurface.BOTH_RIGID} <= reasons
 
 
+def test_tables_have_a_row_for_each_overlapping_pair(scene, states):
+    found = scene.evaluated(states)
+    columns = found.columns()
+    surfaces = columns['reason'] == 0
+    assert len(surfaces) == len(found.area) + len(found.depth)
+    np.testing.assert_array_equal(columns['area'][surfaces], found.area)
+    np.testing.assert_array_equal(columns['depth'][~surfaces], found.depth)
+    np.testing.assert_array_equal(columns['name_A'][~surfaces], found.name_A)
+    counts = np.diff(found.offsets) + np.diff(found.point_offsets)
+    np.testing.assert_array_equal(np.bincount(columns['state'], minlength=len(states)), counts)
+    assert f'{len(found.area)} surfaces' in found._repr_html_()
+
+
+def test_tables_of_a_query_name_the_bodies(scene, states):
+    surfaces, _, _ = scene.contacts(states[0])
+    columns = surfaces.columns()
+    assert len(columns['area']) == len(surfaces) > 0
+    assert set(columns['name_M']) <= {f'floating::f{k}/body' for k in range(len(BODIES))}
+    text = surfaces._repr_html_()
+    assert f'the largest {min(10, len(surfaces))}' in text
+    assert f'<td>{columns["area"].max():.6g}</td>' in text
+
+
 @pytest.mark.parametrize('given', [{'threads': 1}, {'threads': 3, 'block_size': 1}])
 def test_threads_and_blocks_change_no_bit(scene, states, given):
     assert same(scene.evaluated(states), scene.evaluated(states, **given))

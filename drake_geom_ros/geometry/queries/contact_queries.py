@@ -137,6 +137,9 @@ class ContactQueries:
         def _candidates(self) -> tuple[World, Indices]:
             """Return the world, brought up to date, and pairs (k, 2) that may overlap."""
 
+        def _names_of_ids(self, ids: Indices) -> list[str]:
+            """Return the names of geometries by their id values (k,)."""
+
     def ComputeContactSurfaces(
         self,
         representation: HydroelasticContactRepresentation = (
@@ -300,4 +303,5 @@ class ContactQueries:
         world, pairs = self._candidates()
         answer = surfaces_of(self._state.posed_bodies(world), pairs, limit)
         surfaces = ContactSurfaceResults(answer, representation)
+        surfaces.know_names(self._names_of_ids)
         return CandidateSurfaces(world.geometries.ids, pairs, answer, surfaces)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     AREA,
@@ -34,6 +35,7 @@ from drake_geom_ros.geometry.meshes.surface_fields import (
     TriangleSurfaceMeshFieldLinear,
 )
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.queries.result_sequence import NamedResults
 from drake_geom_ros.math.array_types import Floats, Indices
 
 if TYPE_CHECKING:  # with its kernels
@@ -263,7 +265,20 @@ class ContactSurface:
             )
 
 
-class ContactSurfaceResults(Sequence[ContactSurface]):
+# Columns of tables with a row for each surface, and the arrays that they are.
+SURFACE_COLUMNS = {
+    'id_M': 'id_M',
+    'id_N': 'id_N',
+    'area': 'areas',
+    'centroid': 'centroids',
+    'centre_of_pressure': 'centres_of_pressure',
+    'force_on_M_W': 'forces_on_M_W',
+    'torque_on_M_Wo_W': 'torques_on_M_Wo_W',
+    'max_pressure': 'max_pressures',
+}
+
+
+class ContactSurfaceResults(NamedResults, Sequence[ContactSurface]):
     """Contact surfaces, sorted by (id_M, id_N), as arrays; indexing makes records.
 
     ``id_M``, ``id_N`` (k,) are values of ids; ``areas`` (k,) [m^2], ``centroids`` (k, 3) [m],
@@ -271,6 +286,8 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
     (k, 3) [m]; ``face_offsets`` (k + 1,) of each surface's polygons. All are in World and
     read-only.
     """
+
+    _listed = tuple(SURFACE_COLUMNS)
 
     def __init__(self, answer: Answer, representation: HydroelasticContactRepresentation) -> None:
         self._answer, self._representation = answer, representation
@@ -348,6 +365,9 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         Those of all surfaces, one after another: see ``face_offsets``.
         """
         return self._surfaces.points, self._surfaces.pressures, self._surfaces.ends
+
+    def _column(self, name: str) -> NDArray[Any]:
+        return super()._column(SURFACE_COLUMNS[name])
 
     def __len__(self) -> int:
         return self._answer.counts.surfaces

@@ -24,14 +24,9 @@ Batch = TypeVar('Batch', PairBatch, PointBatch)
 NamesOfIds = Callable[[Indices], list[str]]
 
 
-class ResultSequence(Tabular, Sequence[Record], Generic[Record, Batch]):
-    """Read-only sequence of records over arrays; subclasses name the arrays.
+class NamedResults(Tabular):
+    """Base of results as arrays that can look up the names of geometries."""
 
-    Only the order can be changed, by ``sort``, which also sorts the arrays. It can be compared
-    with lists of records and added to them; the sum is a list.
-    """
-
-    _rows: Floats
     _names_of_ids: NamesOfIds | None = None
     _listed: tuple[str, ...] = ()  # the properties that ``columns`` has
 
@@ -56,10 +51,24 @@ class ResultSequence(Tabular, Sequence[Record], Generic[Record, Batch]):
         """Return the arrays (k, ...) by name, with names of geometries if these are known."""
         columns: Columns = {}
         for name in self._listed:
-            columns[name] = getattr(self, name)
+            columns[name] = self._column(name)
             if name.startswith('id_') and self._names_of_ids is not None:
                 columns[name.replace('id_', 'name_')] = self.names_of(columns[name])
         return columns
+
+    def _column(self, name: str) -> NDArray[Any]:
+        array: NDArray[Any] = getattr(self, name)
+        return array
+
+
+class ResultSequence(NamedResults, Sequence[Record], Generic[Record, Batch]):
+    """Read-only sequence of records over arrays; subclasses name the arrays.
+
+    Only the order can be changed, by ``sort``, which also sorts the arrays. It can be compared
+    with lists of records and added to them; the sum is a list.
+    """
+
+    _rows: Floats
 
     @property
     def _batch(self) -> Batch:
