@@ -8,8 +8,8 @@ many, because every call is a cache miss (``bench/costs``).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,7 +147,8 @@ class Entered(NamedTuple):
         """Return the states of these rules, by index; -1 stands for a new rule."""
         other, old = Entered.of_new(len(numbers)), [n for n in numbers if n >= 0]
         at = [place for place, n in enumerate(numbers) if n >= 0]
-        for column, own in zip(other, self, strict=True):
+        columns: Iterable[tuple[NDArray[Any], NDArray[Any]]] = zip(other, self, strict=True)
+        for column, own in columns:
             column[at] = own[old]
         return other
 
