@@ -21,9 +21,9 @@ from drake_geom_ros.batch.distance_gradients import (
 )
 from drake_geom_ros.batch.evaluation import context_of
 from drake_geom_ros.batch.joints import Joints, chain_of_arms, poses_of_arms, still_poses
-from drake_geom_ros.batch.questions import Question
 from drake_geom_ros.common.tables import SHOWN_ROWS, html_table
 from drake_geom_ros.geometry import (
+    AccuracyLike,
     ArgumentError,
     GeometryError,
     GeometryId,
@@ -46,7 +46,7 @@ from drake_geom_ros.geometry.queries.joint_queries import (
 )
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
-from drake_geom_ros.geometry.queries.state_queries import StateQueries, default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import StateQueries, accuracy_in
 from drake_geom_ros.math.array_types import Floats, Indices
 
 _DOUBLES = np.dtype(np.float64)
@@ -92,14 +92,15 @@ class Checker:
         joints: Joints,
         margin: float = 0.0,
         *,
-        accuracy: str = '',
+        accuracy: AccuracyLike = '',
         ignore_limits: bool = False,
     ) -> None:
         """Prepare the scene, and compile missing kernels.
 
-        ``accuracy`` is a level, empty for the default of the scene. Raises ArgumentError for a
-        margin that is no number >= 0, for an unknown level, and if the joints move nothing that
-        could collide; PoseError for frames that have no pose or are not in this scene.
+        ``accuracy`` is a level or a length [m], empty for the default of the scene. Raises
+        ArgumentError for a margin that is no number >= 0, for an accuracy that is none, and if the
+        joints move nothing that could collide; PoseError for frames that have no pose or are not
+        in this scene.
         """
         number = as_number(margin)
         if number is None or not 0.0 <= number < math.inf:
@@ -111,7 +112,7 @@ class Checker:
         self.joints, self.margin = joints, number
         self._mark = SceneMark(scene_graph, joints.id_values)
         context = context_of(scene_graph)
-        self.accuracy = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
+        self.accuracy = accuracy_in(context, accuracy)
         self._scene, ids = PackedScene.of(
             context, joints.id_values, still_poses(joints.arms, joints.id_values)
         )

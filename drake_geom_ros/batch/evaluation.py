@@ -34,13 +34,14 @@ from drake_geom_ros.batch.running import (
 )
 from drake_geom_ros.common.progress_bar import progress_bar
 from drake_geom_ros.geometry import (
+    AccuracyLike,
     ArgumentError,
     FrameId,
     QueryObject,
     SceneGraph,
     SceneGraphContext,
 )
-from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import accuracy_in
 from drake_geom_ros.math.array_types import Flags
 
 Progress = Callable[[int, int], None]  # number of states done, and of all
@@ -56,7 +57,7 @@ def evaluate(
     *,
     want: Literal['collision'],
     max_distance: float = ...,
-    accuracy: str = ...,
+    accuracy: AccuracyLike = ...,
     executor: Executor | None = ...,
     progress: bool | Progress = ...,
     states: ArrayLike | None = ...,
@@ -74,7 +75,7 @@ def evaluate(
     poses: ArrayLike | None = ...,
     want: Literal['least'] = ...,
     max_distance: float = ...,
-    accuracy: str = ...,
+    accuracy: AccuracyLike = ...,
     executor: Executor | None = ...,
     progress: bool | Progress = ...,
     *,
@@ -94,7 +95,7 @@ def evaluate(
     *,
     want: Literal['nearest', 'within'],
     max_distance: float = ...,
-    accuracy: str = ...,
+    accuracy: AccuracyLike = ...,
     executor: Executor | None = ...,
     progress: bool | Progress = ...,
     states: ArrayLike | None = ...,
@@ -113,7 +114,7 @@ def evaluate(
     *,
     want: Literal['points'],
     max_distance: float = ...,
-    accuracy: str = ...,
+    accuracy: AccuracyLike = ...,
     executor: Executor | None = ...,
     progress: bool | Progress = ...,
     states: ArrayLike | None = ...,
@@ -132,7 +133,7 @@ def evaluate(
     *,
     want: Literal['contacts'],
     max_distance: float = ...,
-    accuracy: str = ...,
+    accuracy: AccuracyLike = ...,
     executor: Executor | None = ...,
     progress: bool | Progress = ...,
     states: ArrayLike | None = ...,
@@ -150,7 +151,7 @@ def evaluate(
     poses: ArrayLike | None = ...,
     want: str = ...,
     max_distance: float = ...,
-    accuracy: str = ...,
+    accuracy: AccuracyLike = ...,
     executor: Executor | None = ...,
     progress: bool | Progress = ...,
     *,
@@ -168,7 +169,7 @@ def evaluate(
     poses: ArrayLike | None = None,
     want: str = 'least',
     max_distance: float = math.inf,
-    accuracy: str = '',
+    accuracy: AccuracyLike = '',
     executor: Executor | None = None,
     progress: bool | Progress = False,
     *,
@@ -204,8 +205,8 @@ def evaluate(
 
     ``max_distance`` [m] leaves out pairs that are farther apart; for ``least`` and ``nearest``
     only those certified to be. ``by_joints`` adds ``joint_gradient`` (k, q), the derivatives of
-    the distances of pairs by the joint values of their state. ``accuracy`` is a level, empty for
-    the default of the scene.
+    the distances of pairs by the joint values of their state. ``accuracy`` is a level
+    or a length [m], empty for the default of the scene.
 
     The states are computed by ``threads`` of this process (0: one for each core), or by an
     ``executor`` with the ``concurrent.futures`` interface, in blocks of ``block_size`` states (0:
@@ -223,7 +224,7 @@ def evaluate(
     question = Question(
         want,
         float(max_distance),
-        accuracy or default_accuracy(context),
+        accuracy_in(context, accuracy),
         count,
         None if points is None else np.atleast_2d(np.asarray(points, dtype=np.float64)),
         by_joints,

@@ -10,7 +10,7 @@ import numpy as np
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.common.times import time_between
-from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry import AccuracyLike, MotionCheck, SceneGraph, SceneGraphContext
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 from drake_geom_ros.trajectories.joint_spline import JointSpline, JointTrajectory
@@ -24,7 +24,7 @@ def check_trajectory(
     time_tolerance: float = TIME_TOLERANCE,
     max_evaluations: int = 0,
     *,
-    accuracy: str = '',
+    accuracy: AccuracyLike = '',
     ignore_start_contacts: bool = False,
     ignore_limits: bool = False,
     bound_tolerance: float = math.inf,
@@ -42,7 +42,7 @@ def check_trajectory(
         min_distance: Pairs are clear while they are farther apart [m].
         time_tolerance: The longest span [s] that may hold the first contact.
         max_evaluations: Of pairs by kernels; 0: no limit.
-        accuracy: The level; empty: that of the scene.
+        accuracy: The level, or a length [m]; empty: that of the scene.
         ignore_start_contacts: Leave out pairs that are not clear at the start.
         ignore_limits: Let joints pass their limits.
         bound_tolerance: As in ``check_path`` [m].

@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.batch import prepared_paths
 from drake_geom_ros.batch.evaluation import context_of
 from drake_geom_ros.batch.joints import Joints
-from drake_geom_ros.batch.questions import Question
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry import (
+    AccuracyLike,
     ArgumentError,
     GeometryError,
     MotionCheck,
@@ -34,7 +34,7 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQuestion,
 )
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
-from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import accuracy_in
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 from drake_geom_ros.trajectories.joint_spline import EDGES, JointSpline
@@ -53,7 +53,7 @@ def check_path(
     max_evaluations: int = 0,
     threads: int = 0,
     *,
-    accuracy: str = '',
+    accuracy: AccuracyLike = '',
     ignore_start_contacts: bool = False,
     ignore_limits: bool = False,
     bound_tolerance: float = math.inf,
@@ -97,7 +97,7 @@ def check_paths(
     max_evaluations: int = 0,
     threads: int = 0,
     *,
-    accuracy: str = '',
+    accuracy: AccuracyLike = '',
     ignore_start_contacts: bool = False,
     ignore_limits: bool = False,
     bound_tolerance: float = math.inf,
@@ -170,7 +170,7 @@ class PathChecker:
         time_tolerance: float = TIME_TOLERANCE,
         max_evaluations: int = 0,
         *,
-        accuracy: str = '',
+        accuracy: AccuracyLike = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
         bound_tolerance: float = math.inf,
@@ -190,9 +190,9 @@ class PathChecker:
         self.joints, self._ignore_limits = joints, ignore_limits
         self._mark = SceneMark(scene_graph, joints.id_values)
         context = context_of(scene_graph)
-        self._level = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
+        self._accuracy = accuracy_in(context, accuracy)
         self._context = context
-        self._kind, self._prepared = prepared_paths.take(context, joints, self._level)
+        self._kind, self._prepared = prepared_paths.take(context, joints, self._accuracy)
         if not self._prepared.scene.has_moving_pairs():
             raise ArgumentError(
                 'these joints move no geometry that could collide with any other: each path would '
@@ -205,7 +205,7 @@ class PathChecker:
     def __repr__(self) -> str:
         return (
             f'<PathChecker: {self.joints.count} joints, {len(self._prepared.scene.pairs)} pairs, '
-            f'min_distance {self._question.min_distance:g} m, accuracy {self._level!r}>'
+            f'min_distance {self._question.min_distance:g} m, accuracy {self._accuracy!r}>'
         )
 
     def __enter__(self) -> PathChecker:
@@ -317,7 +317,7 @@ class PathChecker:
             except IndexError:
                 prepared = self._prepared
                 self._own.queries = MotionQueries(
-                    prepared.scene, self._level, self._stop, prepared.chain, self.joints.count
+                    prepared.scene, self._accuracy, self._stop, prepared.chain, self.joints.count
                 )
         queries: MotionQueries = self._own.queries
         return queries

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
-from drake_geom_ros.geometry import SceneGraphContext
+from drake_geom_ros.geometry import Accuracy, SceneGraphContext
 from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
@@ -26,7 +26,9 @@ class PreparedPaths(NamedTuple):
     stop: Indices  # (1,) the flag that ends these queries, and those of other threads
 
 
-def take(context: SceneGraphContext, joints: Joints, level: str) -> tuple[Hashable, PreparedPaths]:
+def take(
+    context: SceneGraphContext, joints: Joints, accuracy: Accuracy
+) -> tuple[Hashable, PreparedPaths]:
     """Return a cache key, and prepared data for paths of joints in a context's current scene.
 
     Cached data is reused for the same content and filters, the same joints, and the same poses of
@@ -36,7 +38,7 @@ def take(context: SceneGraphContext, joints: Joints, level: str) -> tuple[Hashab
     world = state.up_to_date_world()
     others = ~np.isin(world.frames.ids, joints.id_values)
     kind = (
-        *('paths', level, joints.count, state.model.versions.any, state.filters.version),
+        *('paths', accuracy, joints.count, state.model.versions.any, state.filters.version),
         *(frozenset(state.filters.welded), joints.id_values.tobytes()),
         *(array.tobytes() for array in chain),
         *(world.R_PFs[others].tobytes(), world.p_PFs[others].tobytes()),
@@ -48,7 +50,7 @@ def take(context: SceneGraphContext, joints: Joints, level: str) -> tuple[Hashab
         still = still_poses(joints.arms, joints.id_values)
         scene, ids = PackedScene.of(context, joints.id_values, still, about_points=False)
         stop = np.zeros(1, dtype=np.int64)
-        queries = MotionQueries(scene, level, stop, chain, joints.count)
+        queries = MotionQueries(scene, accuracy, stop, chain, joints.count)
         prepared = PreparedPaths(scene, ids, chain, queries, stop)
     return kind, prepared
 

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch.contacts import contact_columns
 from drake_geom_ros.batch.joints import Arm, chain_of_arms, poses_of_arms, still_poses
 from drake_geom_ros.geometry import (
-    ACCURACY_LEVELS,
+    AccuracyLike,
     ArgumentError,
     PointDistanceResults,
     PoseError,
     SceneGraphContext,
+    accuracy_of,
 )
 from drake_geom_ros.geometry.queries.joint_gradients import JointGradients, with_pairs
 from drake_geom_ros.geometry.queries.joint_queries import NEAR, JointQueries
@@ -56,7 +57,7 @@ class Question:
 
     want: str
     max_distance: float = math.inf
-    accuracy: str = 'exact'
+    accuracy: AccuracyLike = 'exact'
     count: int = 1
     points: Floats | None = None
     by_joints: bool = False  # the gradients of pairs by joint values, too
@@ -64,9 +65,7 @@ class Question:
     def __post_init__(self) -> None:
         if self.want not in WANTS:
             raise ArgumentError(f'want={self.want!r} must be one of {", ".join(WANTS)}')
-        if self.accuracy not in ACCURACY_LEVELS:
-            allowed = ', '.join(ACCURACY_LEVELS)
-            raise ArgumentError(f'accuracy={self.accuracy!r} must be one of {allowed}')
+        object.__setattr__(self, 'accuracy', accuracy_of(self.accuracy))
         if math.isnan(self.max_distance):
             raise ArgumentError('max_distance must be a distance in metres or infinity, not NaN')
         if self.want == 'collision' and self.max_distance < 0.0:

@@ -174,7 +174,7 @@ class SceneGraphClient:
         self,
         max_distance: float = math.inf,
         poses: Poses | None = None,
-        accuracy: str = '',
+        accuracy: str | float = '',
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> SignedDistances:
@@ -185,7 +185,7 @@ class SceneGraphClient:
             max_distance=limit(max_distance),
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
-            accuracy=accuracy,
+            accuracy=str(accuracy),
         )
         return distances if allow_incomplete else distances.whole('signed_distances')
 
@@ -194,7 +194,7 @@ class SceneGraphClient:
         geometry_a: str,
         geometry_b: str,
         poses: Poses | None = None,
-        accuracy: str = '',
+        accuracy: str | float = '',
         joints: JointValues | None = None,
     ) -> SignedDistance:
         """Return the signed distance of one pair, which must not be filtered."""
@@ -205,14 +205,14 @@ class SceneGraphClient:
             geometry_b=geometry_b,
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
-            accuracy=accuracy,
+            accuracy=str(accuracy),
         )
         return next(iter(distances))
 
     def penetrations(
         self,
         poses: Poses | None = None,
-        accuracy: str = '',
+        accuracy: str | float = '',
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> Penetrations:
@@ -222,7 +222,7 @@ class SceneGraphClient:
             'compute_point_pair_penetration',
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
-            accuracy=accuracy,
+            accuracy=str(accuracy),
         )
         return overlaps if allow_incomplete else overlaps.whole('penetrations')
 
@@ -231,7 +231,7 @@ class SceneGraphClient:
         points: ArrayLike,
         threshold: float = math.inf,
         poses: Poses | None = None,
-        accuracy: str = '',
+        accuracy: str | float = '',
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> PointDistances:
@@ -243,7 +243,7 @@ class SceneGraphClient:
             threshold=limit(threshold),
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
-            accuracy=accuracy,
+            accuracy=str(accuracy),
         )
         return distances if allow_incomplete else distances.whole('point_distances')
 
@@ -301,7 +301,7 @@ class SceneGraphClient:
         poses: Poses | None = None,
         stop_at_first: bool = False,
         ignore_limits: bool = False,
-        accuracy: str = '',
+        accuracy: str | float = '',
         progress: Progress | None = None,
         allow_stale: bool = False,
     ) -> States:
@@ -324,7 +324,7 @@ class SceneGraphClient:
                 'poses': frame_poses(poses or {}),
                 'stop_at_first': stop_at_first,
                 'ignore_limits': ignore_limits,
-                'accuracy': accuracy,
+                'accuracy': str(accuracy),
             },
         )
         answers = request.ask(partial(self.ask, 'evaluate_states'), progress)
@@ -351,7 +351,7 @@ class SceneGraphClient:
         time_tolerance: float = TIME_TOLERANCE,
         interpolation: str = '',
         max_evaluations: int = 0,
-        accuracy: str = '',
+        accuracy: str | float = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
         allow_stale: bool = False,
@@ -392,7 +392,7 @@ class SceneGraphClient:
             time_tolerance=float(time_tolerance),
             interpolation=interpolation,
             max_evaluations=max_evaluations,
-            accuracy=accuracy,
+            accuracy=str(accuracy),
             ignore_start_contacts=ignore_start_contacts,
             ignore_limits=ignore_limits,
         )
@@ -415,7 +415,7 @@ class SceneGraphClient:
         profile: str = '',
         deviation_tolerance: float = 0.0,
         time_budget: float = 0.0,
-        accuracy: str = '',
+        accuracy: str | float = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
         ignore_foreign_joints: bool = False,
@@ -440,7 +440,7 @@ class SceneGraphClient:
             profile=profile,
             deviation_tolerance=float(deviation_tolerance),
             time_budget=float(time_budget),
-            accuracy=accuracy,
+            accuracy=str(accuracy),
             ignore_start_contacts=ignore_start_contacts,
             ignore_limits=ignore_limits,
             ignore_foreign_joints=ignore_foreign_joints,

@@ -24,12 +24,12 @@ from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
 from drake_geom_ros.command_line.answers import AS_IN_BATCHES
 from drake_geom_ros.command_line.exit_codes import INTERRUPTED
-from drake_geom_ros.command_line.option_values import count, distance
+from drake_geom_ros.command_line.option_values import ACCURACY_HELP, accuracy, count, distance
 from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_chosen
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
+from drake_geom_ros.geometry import GeometryId, PoseError, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
 # The same questions by the words of ``query``.
@@ -70,9 +70,9 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--accuracy',
-        choices=ACCURACY_LEVELS,
+        type=accuracy,
         default='exact',
-        help='(default: exact); distances to points are exact at each level',
+        help=f'{ACCURACY_HELP}; distances to points are exact at each',
     )
     parser.add_argument(
         '--joint-gradients',

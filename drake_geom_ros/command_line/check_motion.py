@@ -16,6 +16,8 @@ from drake_geom_ros.command_line.checked_motions import (
 )
 from drake_geom_ros.command_line.exit_codes import DONE, NO, NOT_PROVED
 from drake_geom_ros.command_line.option_values import (
+    ACCURACY_HELP,
+    accuracy,
     count,
     count_or_zero,
     distance,
@@ -24,7 +26,7 @@ from drake_geom_ros.command_line.option_values import (
 )
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, MotionCheck
+from drake_geom_ros.geometry import GeometryId, MotionCheck
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 
@@ -82,7 +84,7 @@ def _add_question(parser: argparse.ArgumentParser) -> None:
         metavar='N',
         help='0: no limit (default)',
     )
-    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument('--accuracy', type=accuracy, default='exact', help=ACCURACY_HELP)
     parser.add_argument(
         '--ignore-start-contacts',
         action='store_true',

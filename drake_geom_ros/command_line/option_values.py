@@ -4,6 +4,10 @@ import argparse
 import math
 import re
 
+from drake_geom_ros.geometry import ACCURACY_LEVELS, Accuracy, ArgumentError, accuracy_of
+
+ACCURACY_HELP = f'{", ".join(ACCURACY_LEVELS)}, or the largest error [m] (default: exact)'
+
 
 def number(text: str) -> float:
     """Return a number; ArgumentTypeError for what is none, or has a unit."""
@@ -55,3 +59,11 @@ def count_or_zero(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f'{text!r} must be a whole number >= 0')
     return int(text)
+
+
+def accuracy(text: str) -> Accuracy:
+    """Return an accuracy; ArgumentTypeError for what is neither a level nor a length [m]."""
+    try:
+        return accuracy_of(text)
+    except ArgumentError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None

@@ -23,13 +23,12 @@ from drake_geom_ros.command_line.answers import (
     half_spaces_beside,
 )
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
-from drake_geom_ros.command_line.option_values import count, distance
+from drake_geom_ros.command_line.option_values import ACCURACY_HELP, accuracy, count, distance
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.command_line.standard_input import bytes_of, is_json
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
-from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.scene_files.yaml_text import text_of
 
@@ -69,7 +68,7 @@ def add_to(commands: Any) -> None:
         metavar='D',
         help='leave out what is farther apart [m] (default: inf)',
     )
-    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument('--accuracy', type=accuracy, default='exact', help=ACCURACY_HELP)
     parser.add_argument('--format', choices=tuple(FORMATS), default='csv')
     parser.add_argument(
         '--out', '--output', dest='out', metavar='FILE', help='default: standard output'

@@ -11,12 +11,18 @@ from drake_geom_ros.command_line.configurations import (
     pose_joints,
     poses_of_states,
 )
-from drake_geom_ros.command_line.option_values import count, distance, positive
+from drake_geom_ros.command_line.option_values import (
+    ACCURACY_HELP,
+    accuracy,
+    count,
+    distance,
+    positive,
+)
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.recording_input import add_topics_to, topics_of
 from drake_geom_ros.command_line.scene_input import add_scene_options
-from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, FramePoseVector
+from drake_geom_ros.geometry import ArgumentError, FramePoseVector
 from drake_geom_ros.recordings.recorded_poses import recorded_poses
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -64,7 +70,7 @@ def add_to(commands: Any) -> None:
         metavar='D',
         help='pairs farther apart are left out [m], until the slider is moved (default: 0.1)',
     )
-    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument('--accuracy', type=accuracy, default='exact', help=ACCURACY_HELP)
     parser.add_argument(
         '--contacts',
         action='store_true',

@@ -101,6 +101,7 @@ from drake_geom_ros.geometry.model.scene_graph_config import (
     SceneGraphConfig,
 )
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.closing import ClosingSpeeds, closing_speeds
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurface,
@@ -301,6 +302,9 @@ __all__ = [
     'DrakeVisualizerPublisher',
     'Effects',
     'ACCURACY_LEVELS',
+    'Accuracy',
+    'AccuracyLike',
+    'accuracy_of',
     'ACCURACY_GAPS',
     'METHODS',
     'ShapeKind',

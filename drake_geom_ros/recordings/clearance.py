@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
+from drake_geom_ros.geometry import AccuracyLike
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.pair_sets import Between, pair_sets
 from drake_geom_ros.recordings.recording_topics import Topics
@@ -24,7 +25,7 @@ def clearance(
     rate: float = 0.0,
     topics: Topics | None = None,
     stale_after: float = STALE_AFTER,
-    accuracy: str = 'exact',
+    accuracy: AccuracyLike = 'exact',
     world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
     threads: int = 0,
@@ -49,7 +50,7 @@ def clearance(
         rate: States a second [Hz]; 0: one with each message that poses something.
         topics: The names of the recorded topics.
         stale_after: Parameter of a node [s].
-        accuracy: Parameter of a node.
+        accuracy: A level or a length [m].
         world_frame: Parameter of a node.
         package_roots: Parameter of a node.
         threads: As of ``batch.evaluate``.

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch import LeastDistances
 from drake_geom_ros.batch.running import cores
+from drake_geom_ros.geometry import AccuracyLike
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.math.array_types import Floats
@@ -37,7 +38,7 @@ class Motions:
     """
 
     def __init__(
-        self, number: int, tolerance: float, accuracy: str, longest: float, threads: int
+        self, number: int, tolerance: float, accuracy: AccuracyLike, longest: float, threads: int
     ) -> None:
         """Certify motions of the set of pairs with index ``number``.
 

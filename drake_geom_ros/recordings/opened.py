@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from drake_geom_ros.geometry import AccuracyLike
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.recordings.recorded_maps import maps_in
@@ -31,7 +32,7 @@ def opened_recording(
     scene: str | Path | SceneDescription | None,
     topics: Topics | None,
     stale_after: float,
-    accuracy: str,
+    accuracy: AccuracyLike,
     world_frame: str,
     package_roots: Sequence[str | Path],
 ) -> Opened:

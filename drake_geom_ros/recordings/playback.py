@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.geometry import AccuracyLike, ArgumentError
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.tracked_objects import TrackedObjectsReader
 from drake_geom_ros.live.inputs.joint_input import JointInput, NothingOfOursError
@@ -107,7 +107,7 @@ class Playback:
         simulated: bool,
         world_frame: str = 'world',
         package_roots: Sequence[str | Path] = (),
-        accuracy: str = 'exact',
+        accuracy: AccuracyLike = 'exact',
     ) -> None:
         """Start with a scene; ``simulated``: the node's time is that of ``/clock``.
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch import LeastDistances, evaluate
-from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.geometry import AccuracyLike, ArgumentError
 from drake_geom_ros.recordings.close_moments import CloseMoments
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.motions_between_states import Motions
@@ -40,7 +40,7 @@ class RunOptions:
     max_distance: float = math.inf  # [m]
     rate: float = 0.0  # [Hz]
     stale_after: float = STALE_AFTER  # [s]
-    accuracy: str = 'exact'
+    accuracy: AccuracyLike = 'exact'
     certify: float = 0.0  # [m]
 
     def __post_init__(self) -> None:

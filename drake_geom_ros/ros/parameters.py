@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.geometry import ACCURACY_LEVELS
+from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, accuracy_of
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.inputs.obstacle_refusals import refusal_of_obstacles
@@ -90,7 +90,9 @@ TEXTS = {
     'world_frame': 'Name of the world frame in headers and poses.',
     'rate': 'Cycles per second [Hz]; 0: one cycle for each pose message.' + _LIVE,
     'max_distance': 'Pairs farther apart are left out of ~/signed_distances [m].' + _LIVE,
-    'accuracy': f'Accuracy level of the queries: {", ".join(ACCURACY_LEVELS)}.' + _LIVE,
+    'accuracy': (
+        f'Accuracy of the queries: {", ".join(ACCURACY_LEVELS)}, or a length [m] as text.' + _LIVE
+    ),
     'time_budget': (
         'Limit [s] of the narrow phase of a cycle, nearest pairs first, the rest by certified '
         'bounds, and of its contact surfaces and those of a call, the rest with a reason; 0: '
@@ -407,9 +409,10 @@ def _refusal(values: NodeParameters) -> str:
     for name, least in _LEAST_RATES.items():
         if 0.0 < (value := getattr(values, name)) < least:
             return f'{name} is {value}; it must be 0 or lie in [{least}, {_RANGES[name][1]}]'
-    if values.accuracy not in ACCURACY_LEVELS:
-        allowed = ', '.join(ACCURACY_LEVELS)
-        return f'accuracy is {values.accuracy!r}; it must be one of {allowed}'
+    try:
+        accuracy_of(values.accuracy)
+    except ArgumentError as error:
+        return str(error)
     if not values.world_frame or values.world_frame.startswith('/'):
         return f'world_frame is {values.world_frame!r}; it must be a frame name without leading /'
     if values.use_tf and importlib.util.find_spec('tf2_msgs') is None:

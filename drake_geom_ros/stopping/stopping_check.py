@@ -10,7 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_geom_ros.geometry import ArgumentError, GeometryId, QueryObject, SceneGraphContext
+from drake_geom_ros.geometry import (
+    AccuracyLike,
+    ArgumentError,
+    GeometryId,
+    QueryObject,
+    SceneGraphContext,
+)
 from drake_geom_ros.geometry.queries.joint_motions import JointMotions
 from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointKind
 from drake_geom_ros.geometry.queries.motion_queries import (
@@ -111,7 +117,7 @@ class StoppingCheck:
         context: The scene. After a change of its geometries or filters it is prepared anew.
         robots: All robots that move.
         questions: What brakes, against what.
-        accuracy: The level of distances; empty: that of the scene.
+        accuracy: The level of distances, or a length [m]; empty: that of the scene.
         max_evaluations: Of pairs by kernels, for each question; 0: no limit. An answer that
             would need more is not proved.
         resting: Id values of frames that do not move, beside those welded to the world.
@@ -127,7 +133,7 @@ class StoppingCheck:
         context: SceneGraphContext,
         robots: Sequence[Robot],
         questions: Sequence[StoppingQuestion],
-        accuracy: str = '',
+        accuracy: AccuracyLike = '',
         max_evaluations: int = EVALUATIONS,
         resting: Collection[int] = (),
         *,

@@ -39,7 +39,8 @@ PYDRAKES = """
 OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
     CandidatePairs MotionCheck ClosingSpeeds closing_speeds
-    Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup MeshData
+    Accuracy AccuracyLike accuracy_of ACCURACY_LEVELS ACCURACY_GAPS Effects METHODS
+    ShapeKind FilterGroup MeshData
     CoulombFriction HeightField FilterOperation FilterStatement HydroelasticType
     ContactSurfaceResults OccupiedCells PointCloud
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError

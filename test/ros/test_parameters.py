@@ -80,7 +80,7 @@ def test_no_roots_at_all(start):
         ('replay_limit', 2.0, 'replay_limit is 2.0; it must be a whole number'),
         ('replay_limit', -2, 'replay_limit is -2; it must lie in [0, 10000]'),
         ('scene_file', 3, 'scene_file is 3; it must be a text'),
-        ('accuracy', 'best', "accuracy is 'best'; it must be one of bound, fast"),
+        ('accuracy', 'best', "accuracy='best' was asked for; it must be one of bound, fast"),
         ('world_frame', '/map', "world_frame is '/map'"),
         ('cross_check', -1, 'cross_check is -1.0; it must lie in [0.0, 1000.0]'),
         ('rate', 1e-12, 'rate is 1e-12; it must be 0 or lie in [0.001, 10000.0]'),

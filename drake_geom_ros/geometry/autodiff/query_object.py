@@ -31,6 +31,7 @@ from drake_geom_ros.geometry.autodiff.records import (
 )
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.context_state import NO_SCENE
 from drake_geom_ros.geometry.queries.query_object import QueryObject
 from drake_geom_ros.math.array_types import Floats
@@ -103,7 +104,7 @@ class QueryObjectAutoDiffXd:
     # Pairs.
 
     def ComputePointPairPenetration(
-        self, *, accuracy: str | None = None
+        self, *, accuracy: AccuracyLike | None = None
     ) -> list[PenetrationAsPointPairAutoDiffXd]:
         """Return the unfiltered pairs that overlap, as QueryObject does."""
         results = self._values.ComputePointPairPenetration(accuracy=accuracy)
@@ -121,7 +122,7 @@ class QueryObjectAutoDiffXd:
         ]
 
     def ComputeSignedDistancePairwiseClosestPoints(
-        self, max_distance: float = math.inf, *, accuracy: str | None = None
+        self, max_distance: float = math.inf, *, accuracy: AccuracyLike | None = None
     ) -> list[SignedDistancePairAutoDiffXd]:
         """Return the unfiltered pairs within ``max_distance`` [m], as QueryObject does."""
         compute = self._values.ComputeSignedDistancePairwiseClosestPoints
@@ -132,7 +133,7 @@ class QueryObjectAutoDiffXd:
         geometry_id_A: GeometryId | None = None,
         geometry_id_B: GeometryId | None = None,
         *,
-        accuracy: str | None = None,
+        accuracy: AccuracyLike | None = None,
         id_A: GeometryId | None = None,
         id_B: GeometryId | None = None,
     ) -> SignedDistancePairAutoDiffXd:
@@ -182,7 +183,7 @@ class QueryObjectAutoDiffXd:
     # Points.
 
     def ComputeSignedDistanceToPoint(
-        self, p_WQ: Any, threshold: float = math.inf, *, accuracy: str | None = None
+        self, p_WQ: Any, threshold: float = math.inf, *, accuracy: AccuracyLike | None = None
     ) -> list[SignedDistanceToPointAutoDiffXd]:
         """Return the signed distances from all geometries to a point, or to points (m, 3).
 

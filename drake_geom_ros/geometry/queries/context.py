@@ -17,6 +17,7 @@ from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_content import SceneHolder
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.prepared_query import Asked, PreparedQuery
 from drake_geom_ros.math.array_types import Floats, Indices
@@ -37,7 +38,7 @@ class SceneGraphContext(SceneHolder):
     _state_type = ContextState
 
     def __init__(
-        self, model: Model, filters: FilterState, accuracy: str, partial: bool = False
+        self, model: Model, filters: FilterState, accuracy: AccuracyLike, partial: bool = False
     ) -> None:
         self._state = self._state_type(model, filters, accuracy, partial)
 
@@ -70,8 +71,8 @@ class SceneGraphContext(SceneHolder):
             kinds = np.arange(len(considered))
         return self._of(self._state.narrowed(considered, kinds))
 
-    def set_default_accuracy(self, accuracy: str) -> None:
-        """Set the default accuracy of queries: bound, fast, balanced or exact."""
+    def set_default_accuracy(self, accuracy: AccuracyLike) -> None:
+        """Set the default accuracy of queries: bound, fast, balanced, exact or a length [m]."""
         self._state.set_accuracy(accuracy)
 
     def set_detailed_effects(self, detailed: bool) -> None:
@@ -121,7 +122,7 @@ class SceneGraphContext(SceneHolder):
         what: Asked,
         *,
         max_distance: float = math.inf,
-        accuracy: str | None = None,
+        accuracy: AccuracyLike | None = None,
     ) -> PreparedQuery:
         """Return a call from poses X_PF (n, 7) of n frames to the answer of a query.
 
@@ -129,9 +130,9 @@ class SceneGraphContext(SceneHolder):
         ``'collision'``. The call poses these frames, of any source, and answers as
         ``ComputePointPairPenetration``, ``ComputeSignedDistancePairwiseClosestPoints`` and
         ``HasCollisions`` do, with the same bits, in fewer steps: this counts in cycles after other
-        work. It sees later changes of the context. ``accuracy`` is a level, None for the default
-        of now. Raises ArgumentError for another ``what`` or an invalid argument, and for a context
-        of AutoDiffXd, and PoseError for a frame that is listed twice.
+        work. It sees later changes of the context. ``accuracy`` is a level or a length [m], None
+        for the default of now. Raises ArgumentError for another ``what`` or an invalid argument,
+        and for a context of AutoDiffXd, and PoseError for a frame that is listed twice.
 
             >>> scene_graph = SceneGraph()
             >>> source_id = scene_graph.RegisterSource('balls')

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine
+from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.engine.prepared import Prepared
 from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pairs
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.world.world import World
-from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
     NO_GAPS,
@@ -90,9 +91,9 @@ class ContextState(PosedScene):
     """
 
     def __init__(
-        self, model: Model, filters: FilterState, accuracy: str, partial: bool = False
+        self, model: Model, filters: FilterState, accuracy: AccuracyLike, partial: bool = False
     ) -> None:
-        self.accuracy = accuracy
+        self.accuracy = accuracy_of(accuracy)
         self.engine = Engine()
         # By renderer: the packed scene and its version; see RenderEngineExact.
         self.packed_scenes: dict[str, Any] = {}
@@ -162,17 +163,22 @@ class ContextState(PosedScene):
             '_posed_bodies': _NO_POSED_BODIES,
         }  # they refer to arrays by address, and a copy has others
 
-    def set_accuracy(self, accuracy: str) -> None:
-        """Set the default accuracy; raises ArgumentError for an unknown name."""
-        self.accuracy = checked_accuracy(accuracy)
+    def set_accuracy(self, accuracy: AccuracyLike) -> None:
+        """Set the default accuracy; raises ArgumentError for one that is none."""
+        self.accuracy = accuracy_of(accuracy)
         self._prepared.clear()
 
-    def level(self, accuracy: str | None) -> str:
-        """Return the accuracy level to use; raises ArgumentError for an unknown name."""
-        return self.accuracy if accuracy is None else checked_accuracy(accuracy)
+    def accuracy_for(self, accuracy: AccuracyLike | None) -> Accuracy:
+        """Return the accuracy to use; raises ArgumentError for one that is none."""
+        return self.accuracy if accuracy is None else accuracy_of(accuracy)
 
     def query(
-        self, key: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
+        self,
+        key: Hashable,
+        accuracy: AccuracyLike | None,
+        cutoff: float,
+        penetrating: bool,
+        mode: int,
     ) -> Prepared:
         """Return a prepared query for the engine: see ``Engine.prepared``.
 
@@ -189,8 +195,8 @@ class ContextState(PosedScene):
                 and cached.handles is cached.near.handles
             ):
                 return cached
-        level, world = self.level(accuracy), self.posed_world()
-        query = self.engine.prepared(world, self.filters, level, cutoff, penetrating, mode)
+        level_gap, world = self.accuracy_for(accuracy).length, self.posed_world()
+        query = self.engine.prepared(world, self.filters, level_gap, cutoff, penetrating, mode)
         if accuracy is None:
             if len(self._prepared) == _MAX_PREPARED:
                 self._prepared.clear()
@@ -274,14 +280,6 @@ class ContextState(PosedScene):
         if self._waiting_pairs.moment != moment:
             self._waiting_pairs = _WaitingPairs(moment, count_waiting_pairs(world, self.filters))
         return self._waiting_pairs.pairs
-
-
-def checked_accuracy(accuracy: str) -> str:
-    """Return an accuracy level; raises ArgumentError for a name that is none."""
-    if accuracy not in ACCURACY_LEVELS:
-        allowed = ', '.join(ACCURACY_LEVELS)
-        raise ArgumentError(f'accuracy={accuracy!r} was asked for; it must be one of {allowed}.')
-    return accuracy
 
 
 class PreparedMotions:

@@ -25,7 +25,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.states.joint_checks import FREE, NEAR
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
-from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointKind
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
@@ -67,7 +67,9 @@ class JointGradients:
     order are ``scene.pairs``, and then ``scene.half_spaces``.
     """
 
-    def __init__(self, scene: PackedScene, chain: JointChain, columns: int, accuracy: str) -> None:
+    def __init__(
+        self, scene: PackedScene, chain: JointChain, columns: int, accuracy: AccuracyLike
+    ) -> None:
         chain = chain._replace(X_WLs=chain.X_WLs.copy())  # scratch of this thread alone
         limits = np.array([[-math.inf], [math.inf]]).repeat(columns, axis=1)
         self._scene, self._world = scene, scene.world()
@@ -77,7 +79,7 @@ class JointGradients:
             scene.moved.copy(),
             chain,
             limits,
-            GAPS_OF_LEVELS[accuracy],
+            accuracy_of(accuracy).length,
             0.0,
             np.zeros(len(scene.types)),  # answers are about the bodies; paddings are added here
             0.0,

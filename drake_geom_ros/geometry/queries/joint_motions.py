@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
-from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import accuracy_in
 from drake_geom_ros.math.array_types import Floats, Indices
 
 Flags = NDArray[np.bool_]
@@ -35,7 +36,7 @@ class JointMotions:
         chain: JointChain,
         frame_ids: Indices,
         columns: int,
-        accuracy: str = '',
+        accuracy: AccuracyLike = '',
         resting: Collection[int] = (),
     ) -> None:
         """``frame_ids`` (f,) are the frames of the chain's ``links``; ``resting`` ones stand.
@@ -43,7 +44,7 @@ class JointMotions:
         Raises PoseError for frames that are not in the scene.
         """
         self._context = context
-        self._level = accuracy or default_accuracy(context)
+        self._accuracy = accuracy_in(context, accuracy)
         self._mark = _mark(context)
         self._chain, self._columns = chain, columns
         self._scene, self.ids = PackedScene.of(
@@ -63,7 +64,7 @@ class JointMotions:
         none = np.zeros((0, 2), dtype=np.int64)
         scene = replace(self._scene, pairs=np.ascontiguousarray(pairs), half_spaces=none)
         stop = np.zeros(1, dtype=np.int64)
-        return MotionQueries(scene, self._level, stop, self._chain, self._columns)
+        return MotionQueries(scene, self._accuracy, stop, self._chain, self._columns)
 
     def poses(self) -> tuple[Floats, Floats]:
         """Return R_PF (nf, 3, 3) and p_PF (nf, 3) of all frames now, by place."""

@@ -15,8 +15,8 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
     OUTSIDE,
 )
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
-from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
@@ -51,7 +51,7 @@ class JointQueries:
         scene: PackedScene,
         chain: JointChain,
         limits: Floats,
-        accuracy: str,
+        accuracy: AccuracyLike,
         margin: float | None,
     ) -> None:
         if margin is None and scene.paddings.any():
@@ -63,7 +63,7 @@ class JointQueries:
             scene.moved.copy(),
             chain,
             limits,
-            GAPS_OF_LEVELS[accuracy],
+            accuracy_of(accuracy).length,
             margin,
             scene.paddings,
             PADDED_ROUNDING,

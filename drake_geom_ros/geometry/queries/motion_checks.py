@@ -12,6 +12,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.motion_queries import (
@@ -114,7 +115,7 @@ class MotionChecks:
         time_tolerance: float = TIME_TOLERANCE,
         interpolation: str = 'slerp',
         max_evaluations: int = 0,
-        accuracy: str = '',
+        accuracy: AccuracyLike = '',
         *,
         ignore_start_contacts: bool = False,
         bound_tolerance: float = math.inf,
@@ -135,7 +136,7 @@ class MotionChecks:
             interpolation: 'slerp' moves the position on a line and rotates about one axis by the
                 shorter way; 'screw' moves both on one screw.
             max_evaluations: Limit of kernel calls, 0 for none.
-            accuracy: Accuracy level, '' for the default one.
+            accuracy: Accuracy level or length [m], '' for the default one.
             ignore_start_contacts: Leave out pairs that are not clear at the start, and count them
                 in ``ignored``.
             bound_tolerance: ``lower_bound`` is only as large as the proof needs. If the motion is
@@ -179,20 +180,20 @@ class MotionChecks:
             raise ArgumentError(f'interpolation={interpolation!r} must be one of {allowed}')
         checked_type(end_poses, FramePoseVector, 'CheckMotion: end_poses')
         state, context = self._state, self._context
-        level = state.level(accuracy or None)
-        assert context is not None  # else it has no level
+        wanted = state.accuracy_for(None if accuracy == '' else accuracy)
+        assert context is not None  # else it has no accuracy
         ids, ends = arrays_of(end_poses)
         world = state.posed_world()  # raises where a frame has no pose
         world.update()  # applies the latest poses
         # Any other change of a state changes one of these. A frame that is posed away from its
         # weld changes the filters of this state alone, hence the set.
         kind = (
-            *(ids.tobytes(), level, state.model.versions.any, state.filters.version),
+            *(ids.tobytes(), wanted, state.model.versions.any, state.filters.version),
             frozenset(state.filters.welded),
         )
         queries = state.prepared_motions.take(kind)
         if queries is None or len(world.unposed_frames()):
-            queries = _prepared(context, ids, level)
+            queries = _prepared(context, ids, wanted)
         else:
             queries.stand(world.R_PFs, world.p_PFs)
         rows = queries.moved
@@ -202,7 +203,7 @@ class MotionChecks:
         return MotionCheck.of(answer, world.geometries.ids)
 
 
-def _prepared(context: SceneGraphContext, ids: Indices, level: str) -> MotionQueries:
+def _prepared(context: SceneGraphContext, ids: Indices, accuracy: Accuracy) -> MotionQueries:
     """Return queries about motions of the frames with these id values (f,).
 
     Raises PoseError and ArgumentError as ``CheckMotion`` does.
@@ -221,4 +222,4 @@ def _prepared(context: SceneGraphContext, ids: Indices, level: str) -> MotionQue
             f'any other: {state.describe(ids.tolist()) or "no frame"}. It would be clear '
             'of what nobody looks at; filters may leave all of it out'
         )
-    return MotionQueries(scene, level, np.zeros(1, dtype=np.int64))
+    return MotionQueries(scene, accuracy, np.zeros(1, dtype=np.int64))

@@ -27,9 +27,9 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, JointPath
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, MotionOutcome
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
-from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
 from drake_geom_ros.geometry.queries.half_space_states import (
     HalfSpaceStates,
@@ -128,7 +128,7 @@ class MotionQueries:
     def __init__(
         self,
         scene: PackedScene,
-        accuracy: str,
+        accuracy: AccuracyLike,
         stop: Indices,
         chain: JointChain | None = None,
         columns: int = 0,
@@ -144,7 +144,7 @@ class MotionQueries:
             scene.pairs.copy(),
             scene.moved.copy(),
             scene.paddings,
-            GAPS_OF_LEVELS[accuracy],
+            accuracy_of(accuracy).length,
             stop,
             chain,
             columns,

@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._proximity.world.pose_rows import FRAME_POSES, POSE
 from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
@@ -49,7 +50,7 @@ class PreparedQuery:
         state: ContextState,
         frame_ids: Indices,
         question: Asked,
-        accuracy: str | None,
+        accuracy: AccuracyLike | None,
         max_distance: float,
     ) -> None:
         if question not in get_args(Asked):
@@ -61,7 +62,11 @@ class PreparedQuery:
                 'have one, a number in metres or infinity'
             )
         self._context, self._state, self._ids = context, state, frame_ids
-        self._question, self._accuracy, self._reach = question, state.level(accuracy), max_distance
+        self._question, self._accuracy, self._reach = (
+            question,
+            state.accuracy_for(accuracy),
+            max_distance,
+        )
         self._usual = self.query_type(context)
         self._query: Prepared | None = None
         self._named = Named(frame_ids[:0], frame_ids[:0])
@@ -113,7 +118,7 @@ class PreparedQuery:
         query = state.engine.prepared(
             world,
             state.filters,
-            self._accuracy,
+            self._accuracy.length,
             self._reach if distances else 0.0,
             not distances,
             CONTACT if self._question == 'collision' else ANSWERS,

@@ -20,6 +20,7 @@ from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryE
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.contact_queries import ContactQueries
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import NO_SCENE
@@ -50,8 +51,8 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     context. A copy of it (``copy.copy``) is baked: it keeps the poses and the model of the moment
     of the copy. Queries raise PoseError, with the names of frames that have never received a pose.
 
-    Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; the
-    SceneGraph's default applies without it.
+    Each query takes ``accuracy``: ``bound``, ``fast``, ``balanced``, ``exact``, or a length [m].
+    The SceneGraph's default applies without it.
     """
 
     def __init__(self, context: SceneGraphContext | None = None) -> None:
@@ -192,7 +193,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     # Pairs.
 
     def ComputePointPairPenetration(
-        self, *, accuracy: str | None = None, time_budget: float | None = None
+        self, *, accuracy: AccuracyLike | None = None, time_budget: float | None = None
     ) -> PenetrationResults:
         """Return the unfiltered pairs that overlap, with depth and witness points.
 
@@ -219,7 +220,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
             return self._named(PenetrationResults(batch, query.world.kept_poses()))
         return self._named(PenetrationResults(answers, query.world.kept_poses()))
 
-    def HasCollisions(self, *, accuracy: str | None = None) -> bool:
+    def HasCollisions(self, *, accuracy: AccuracyLike | None = None) -> bool:
         """Return whether any unfiltered pair overlaps; stops at the first.
 
         Counts the pairs that ComputePointPairPenetration reports, and overlapping half spaces,
@@ -246,7 +247,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         self,
         max_distance: float = math.inf,
         *,
-        accuracy: str | None = None,
+        accuracy: AccuracyLike | None = None,
         time_budget: float | None = None,
     ) -> SignedDistanceResults:
         """Return the unfiltered pairs no farther apart than ``max_distance`` [m].
@@ -280,7 +281,11 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         return self.inspector().full_names(ids)
 
     def _padded(
-        self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
+        self,
+        paddings: Paddings,
+        reach: float,
+        accuracy: AccuracyLike | None,
+        budget: float | None = None,
     ) -> SignedDistanceResults:
         """Return the pairs within ``reach`` [m] where geometries have paddings."""
         state, far = self._state, reach + paddings.of_pair
@@ -294,7 +299,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         geometry_id_A: GeometryId | None = None,
         geometry_id_B: GeometryId | None = None,
         *,
-        accuracy: str | None = None,
+        accuracy: AccuracyLike | None = None,
         id_A: GeometryId | None = None,
         id_B: GeometryId | None = None,
     ) -> SignedDistancePair:
@@ -314,7 +319,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         geometry_id_A: GeometryId,
         geometry_id_B: GeometryId,
         *,
-        accuracy: str | None = None,
+        accuracy: AccuracyLike | None = None,
         hint: ArrayLike | None = None,
     ) -> SignedDistanceResults:
         """Return ComputeSignedDistancePairClosestPoints as a result sequence of one pair.
@@ -343,7 +348,9 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         world = state.posed_world()
         pair = world.geometry_rows(np.array([keys], dtype=np.int64))
         start = None if hint is None else _checked_hint(hint)
-        batch = state.engine.distance_of_pair(world, pair, state.level(accuracy), start)
+        batch = state.engine.distance_of_pair(
+            world, pair, state.accuracy_for(accuracy).length, start
+        )
         if not len(batch.ids):
             why = unsupported(*world.geometries.types[pair[0]].tolist())
             raise GeometryError(f'{what} was asked for: {why}.')
@@ -352,7 +359,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         return SignedDistanceResults(batch, world.kept_poses())
 
     def FindCollisionCandidates(
-        self, *, accuracy: str | None = None
+        self, *, accuracy: AccuracyLike | None = None
     ) -> list[tuple[GeometryId, GeometryId]]:
         """Return the unfiltered pairs that bounding volumes do not separate, sorted by ids.
 
@@ -360,7 +367,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         the same at each ``accuracy``; an unknown name raises ArgumentError.
         """
         state = self._state
-        state.level(accuracy)
+        state.accuracy_for(accuracy)
         world, places = self._candidates()
         if len(state.endless_overlaps().ids):
             places = world.geometry_rows(self.collision_candidates())
@@ -388,7 +395,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         return query.world, state.engine.candidates_of(query)
 
     def ComputeSignedDistanceToPoint(
-        self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None
+        self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: AccuracyLike | None = None
     ) -> PointDistanceResults:
         """Return the signed distances from all geometries to a point, or to points (m, 3).
 
@@ -401,7 +408,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         and for a threshold that is NaN.
         """
         reach = _checked_distance('threshold', threshold)
-        self._state.level(accuracy)
+        self._state.accuracy_for(accuracy)
         p_WQs = np.array(p_WQ, dtype=np.float64, order='C', ndmin=2)  # the results refer to it
         if p_WQs.shape == (3, 1):
             p_WQs = p_WQs.reshape(1, 3)

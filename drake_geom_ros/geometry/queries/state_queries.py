@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -14,10 +15,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
 )
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import OVERLAPS, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
-from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.errors import GeometryError, PoseError
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
 from drake_geom_ros.geometry.queries.contact_queries import (
     CandidateSurfaces,
@@ -50,9 +51,9 @@ from drake_geom_ros.math.array_types import Floats, Indices
 BlockAnswers = tuple[Indices, SignedDistanceResults | PointDistanceResults]
 
 
-def default_accuracy(context: SceneGraphContext) -> str:
-    """Return the default accuracy of a context's queries."""
-    return state_of(context).accuracy
+def accuracy_in(context: SceneGraphContext, accuracy: AccuracyLike = '') -> Accuracy:
+    """Return an accuracy, or the default one of a context's queries where it is empty."""
+    return state_of(context).accuracy_for(None if accuracy == '' else accuracy)
 
 
 class StateQueries:
@@ -74,7 +75,7 @@ class StateQueries:
             self._contacts = StateContacts(scene, self._paddings)
 
     def has_collisions(
-        self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
+        self, poses: Floats, accuracy: AccuracyLike, stop: Indices, margin: float | None = None
     ) -> NDArray[np.bool_]:
         """Return HasCollisions of each state (N, n, 7), or whether a pair is within a margin [m].
 
@@ -88,7 +89,7 @@ class StateQueries:
         return collides
 
     def _collide(
-        self, poses: Floats, accuracy: str, stop: Indices, margin: float | None
+        self, poses: Floats, accuracy: AccuracyLike, stop: Indices, margin: float | None
     ) -> NDArray[np.bool_]:
         """Return ``has_collisions`` without the pairs of half spaces."""
         if self._paddings is not None:
@@ -98,14 +99,14 @@ class StateQueries:
                 near = lower_ends(rows) <= margin
             return _any_of_each(counts, near)
         if margin is None:
-            done, collides = self._loops.overlaps(poses, GAPS_OF_LEVELS[accuracy], stop)
+            done, collides = self._loops.overlaps(poses, accuracy_of(accuracy).length, stop)
         else:
-            done, collides = self._loops.near(poses, GAPS_OF_LEVELS[accuracy], margin, stop)
+            done, collides = self._loops.near(poses, accuracy_of(accuracy).length, margin, stop)
         _check_done(done, poses, stop)
         return collides
 
     def nearest(
-        self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
+        self, poses: Floats, accuracy: AccuracyLike, max_distance: float, most: int, stop: Indices
     ) -> BlockAnswers:
         """Return the ``most`` pairs with the smallest lower bounds of each state (N, n, 7).
 
@@ -117,7 +118,7 @@ class StateQueries:
             counts, batch = self._padded_nearest(poses, accuracy, max_distance, most, stop)
         else:
             done, counts, batch = self._loops.nearest(
-                poses, GAPS_OF_LEVELS[accuracy], max_distance, most, stop
+                poses, accuracy_of(accuracy).length, max_distance, most, stop
             )
             _check_done(done, poses, stop)
         if self._half_spaces is not None:
@@ -127,13 +128,13 @@ class StateQueries:
         return counts, SignedDistanceResults(batch)
 
     def within(
-        self, poses: Floats, accuracy: str, max_distance: float, stop: Indices
+        self, poses: Floats, accuracy: AccuracyLike, max_distance: float, stop: Indices
     ) -> BlockAnswers:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
         if self._paddings is not None:
             return self._padded_within(poses, accuracy, max_distance, stop)
         done, counts, batch = self._loops.within(
-            poses, GAPS_OF_LEVELS[accuracy], max_distance, stop
+            poses, accuracy_of(accuracy).length, max_distance, stop
         )
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
@@ -167,7 +168,7 @@ class StateQueries:
         batch = PointBatch(batch.ids[keep], batch.points[keep], rows[keep])
         return _count_of_each(counts, keep), PointDistanceResults(batch)
 
-    def contacts(self, poses: Floats, accuracy: str, stop: Indices) -> Iterator[Contacts]:
+    def contacts(self, poses: Floats, accuracy: AccuracyLike, stop: Indices) -> Iterator[Contacts]:
         """Yield QueryObject.contacts of each state (N, n, 7), with overlaps at a level.
 
         Raises GeometryError where no geometry has hydroelastic properties.
@@ -178,7 +179,7 @@ class StateQueries:
                 'see AddRigidHydroelasticProperties and AddCompliantHydroelasticProperties.'
             )
         reach = 0.0 if self._paddings is None else self._paddings.of_pair
-        done, counts, (ids, _) = self._loops.within(poses, GAPS_OF_LEVELS['bound'], reach, stop)
+        done, counts, (ids, _) = self._loops.within(poses, math.inf, reach, stop)
         _check_done(done, poses, stop)
         for number, last in enumerate(np.cumsum(counts).tolist()):
             _check_done(number if stop[0] else len(poses), poses, stop)
@@ -187,30 +188,34 @@ class StateQueries:
             pairs = ids[last - int(counts[number]) : last]
             yield self._contacts.of(state[0], pairs, overlaps)
 
-    def _penetrations(self, state: Floats, accuracy: str, stop: Indices) -> PenetrationResults:
+    def _penetrations(
+        self, state: Floats, accuracy: AccuracyLike, stop: Indices
+    ) -> PenetrationResults:
         """Return ComputePointPairPenetration of a state (1, n, 7)."""
         _, pairs = self.within(state, accuracy, 0.0, stop)
         assert isinstance(pairs, SignedDistanceResults)
         return pairs.penetrations()
 
     def _padded(
-        self, poses: Floats, accuracy: str, reach: float, stop: Indices
+        self, poses: Floats, accuracy: AccuracyLike, reach: float, stop: Indices
     ) -> tuple[Indices, Floats]:
         """Return the number of near pairs of each state, and all rows, for the padded bodies."""
         counts, _, rows = self._padded_rows(poses, accuracy, reach, stop)
         return counts, rows
 
     def _padded_rows(
-        self, poses: Floats, accuracy: str, reach: float, stop: Indices
+        self, poses: Floats, accuracy: AccuracyLike, reach: float, stop: Indices
     ) -> tuple[Indices, Indices, Floats]:
         assert self._paddings is not None
         far = reach + self._paddings.of_pair
-        done, counts, (ids, rows) = self._loops.within(poses, GAPS_OF_LEVELS[accuracy], far, stop)
+        done, counts, (ids, rows) = self._loops.within(
+            poses, accuracy_of(accuracy).length, far, stop
+        )
         _check_done(done, poses, stop)
         return counts, ids, padded_rows(rows, ids, self._paddings, self._world)
 
     def _padded_within(
-        self, poses: Floats, accuracy: str, max_distance: float, stop: Indices
+        self, poses: Floats, accuracy: AccuracyLike, max_distance: float, stop: Indices
     ) -> BlockAnswers:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
         keep = lower_ends(rows) <= max_distance
@@ -219,7 +224,7 @@ class StateQueries:
         )
 
     def _padded_nearest(
-        self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
+        self, poses: Floats, accuracy: AccuracyLike, max_distance: float, most: int, stop: Indices
     ) -> tuple[Indices, PairBatch]:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
         lower = lower_ends(rows)

@@ -27,8 +27,8 @@ from drake_geom_ros.geometry.model.properties import (
 from drake_geom_ros.geometry.model.scene_content import SceneContent, SceneHolder, content_of
 from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig, checked_config
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
-from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.geometry.scene._applied_defaults import configure, share, with_defaults
@@ -66,11 +66,13 @@ class SceneGraph(SceneHolder):
 
     _context_type = SceneGraphContext
 
-    def __init__(self, config: SceneGraphConfig | None = None, *, accuracy: str = 'exact') -> None:
+    def __init__(
+        self, config: SceneGraphConfig | None = None, *, accuracy: AccuracyLike = 'exact'
+    ) -> None:
         """Make an empty scene.
 
-        ``accuracy`` is the default of queries: bound, fast, balanced or exact. ``config`` is that
-        of ``set_config``.
+        ``accuracy`` is the default of queries: bound, fast, balanced, exact or a length [m].
+        ``config`` is that of ``set_config``.
         """
         self._state = SceneContent(Model(), FilterState())
         self.set_config(SceneGraphConfig() if config is None else config)
@@ -299,13 +301,13 @@ class SceneGraph(SceneHolder):
         """
         return self._state.model.versions.names
 
-    def default_accuracy(self) -> str:
+    def default_accuracy(self) -> Accuracy:
         """Return the default accuracy of later contexts."""
         return self._default_accuracy
 
-    def set_default_accuracy(self, accuracy: str) -> None:
-        """Set the default accuracy of later contexts: bound, fast, balanced or exact."""
-        self._default_accuracy = checked_accuracy(accuracy)
+    def set_default_accuracy(self, accuracy: AccuracyLike) -> None:
+        """Set the default accuracy of later contexts, a level or a length [m]."""
+        self._default_accuracy = accuracy_of(accuracy)
 
     @or_on_context
     def SetFirstPoses(self, on: SceneContent, poses: FramePoseVector) -> None:

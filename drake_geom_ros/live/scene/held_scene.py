@@ -193,11 +193,11 @@ class HeldScene:
 
     @property
     def accuracy(self) -> str:
-        """The accuracy level of queries that name none."""
-        return self.model.scene_graph.default_accuracy()
+        """The accuracy of queries that name none, as messages have it."""
+        return str(self.model.scene_graph.default_accuracy())
 
     def set_accuracy(self, accuracy: str) -> None:
-        """Set the accuracy level of queries that name none."""
+        """Set the accuracy of queries that name none."""
         self.model.scene_graph.set_default_accuracy(accuracy)
         self.model.context.set_default_accuracy(accuracy)
         self.rules.change_accuracy()

@@ -20,11 +20,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from drake_geom_ros.geometry import (
-    GeometryError,
-    QueryObject,
-    SceneGraph,
-)
+from drake_geom_ros.geometry import AccuracyLike, GeometryError, QueryObject, SceneGraph
 from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.names import WORLD
@@ -49,7 +45,7 @@ class LiveScene:
 
     def __init__(
         self,
-        accuracy: str,
+        accuracy: AccuracyLike,
         clocks: Clocks,
         world_frame: str = WORLD,
         version: int = 0,

@@ -15,7 +15,7 @@ import numpy as np
 from drake_geom_ros.batch.joint_trajectories import in_seconds
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
-from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, MotionCheck
+from drake_geom_ros.geometry import ArgumentError, MotionCheck, accuracy_of
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.robot_following import ends_with_followers
@@ -45,9 +45,8 @@ class JointWay(NamedTuple):
 
 def check_motion(live: LiveScene, request: Any, response: Any) -> None:
     """Answer whether a motion is clear; raises RuntimeError to refuse what cannot be asked."""
-    if request.accuracy not in ('', *ACCURACY_LEVELS):
-        allowed = ', '.join(ACCURACY_LEVELS)
-        raise ArgumentError(f'accuracy is {request.accuracy!r}; it must be one of {allowed}')
+    if request.accuracy:
+        accuracy_of(request.accuracy)
     if not 0.0 <= request.time_tolerance < math.inf:
         raise ArgumentError(
             f'time_tolerance is {request.time_tolerance}; it must be > 0 [s] and finite, and 0 '

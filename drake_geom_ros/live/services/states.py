@@ -15,7 +15,7 @@ from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.results import LeastDistances, PairsOfStates
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, SceneGraphContext
+from drake_geom_ros.geometry import ArgumentError, SceneGraphContext, accuracy_of
 from drake_geom_ros.live.conversions.fields import floats, uint8s, uint32s, unsigned
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_views import view_of_joints
@@ -65,9 +65,8 @@ def _check(request: Any) -> None:
             f'max_distance is {request.max_distance} with want {request.want!r}; it must be >= 0 '
             '[m] (0 stands for infinity), and goes with `near`'
         )
-    if request.accuracy not in ('', *ACCURACY_LEVELS):
-        allowed = ', '.join(ACCURACY_LEVELS)
-        raise ArgumentError(f'accuracy is {request.accuracy!r}; it must be one of {allowed}')
+    if request.accuracy:
+        accuracy_of(request.accuracy)
 
 
 def _states(request: Any, joints: Joints, most_megabytes: float) -> Floats:

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
+from drake_geom_ros.geometry import ArgumentError, accuracy_of
 from drake_geom_ros.live.conversions.fields import seconds_of
-from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_paths import for_the_scene, timed_path
 from drake_geom_ros.live.services.joint_views import JointsNow, view_of_joints
@@ -113,6 +112,5 @@ def _refuse_numbers(request: Any) -> None:
         value = getattr(request, name)
         if not 0.0 <= value < math.inf:
             raise ArgumentError(f'{name} is {value}; it must be finite and >= 0 {what}')
-    if request.accuracy not in ('', *ACCURACY_LEVELS):
-        allowed = some_of(list(ACCURACY_LEVELS))
-        raise ArgumentError(f'accuracy is {request.accuracy!r}; it must be one of {allowed}')
+    if request.accuracy:
+        accuracy_of(request.accuracy)

@@ -7,7 +7,7 @@ from functools import partial
 from html import escape
 from typing import Any
 
-from drake_geom_ros.geometry import ACCURACY_LEVELS
+from drake_geom_ros.geometry import ACCURACY_LEVELS, accuracy_of
 from drake_geom_ros.viewing.looks import LAYERS
 from drake_geom_ros.viewing.page.picture import DisplayOptions
 from drake_geom_ros.viewing.shown_pairs import in_words, row_in_words
@@ -41,6 +41,8 @@ class AnswerPanel:
         a chosen pair.
         """
         self._select = select
+        # A length has a mark between the levels around it.
+        self._levels = sorted({*LEVELS, accuracy_of(accuracy)}, key=_length, reverse=True)
         self._ids: list[tuple[int, int]] = []
         with gui.add_folder('Show'):
             self._layers = {
@@ -59,10 +61,10 @@ class AnswerPanel:
             self.level = gui.add_slider(
                 'accuracy',
                 min=0,
-                max=len(LEVELS) - 1,
+                max=len(self._levels) - 1,
                 step=1,
-                initial_value=LEVELS.index(accuracy),
-                marks=tuple(enumerate(LEVELS)),
+                initial_value=self._levels.index(accuracy),
+                marks=tuple(enumerate(self._levels)),
             )
             gui.add_html(_TABLE)
             self.rows = [gui.add_button('', visible=False) for _ in range(_ROWS)]
@@ -93,8 +95,8 @@ class AnswerPanel:
 
     @property
     def accuracy(self) -> str:
-        """The selected accuracy level."""
-        return LEVELS[int(self.level.value)]
+        """The selected accuracy, as text."""
+        return self._levels[int(self.level.value)]
 
     def show(self, moment: ShownMoment, selected: tuple[int, int] | None) -> None:
         """Fill the table: the nearest pairs first, the chosen one marked."""
@@ -126,3 +128,8 @@ class AnswerPanel:
 
 def _colour(distance: float) -> str:
     return 'red' if distance < 0.0 else 'gray'
+
+
+def _length(accuracy: str) -> float:
+    """Return the largest error [m] of an accuracy."""
+    return accuracy_of(accuracy).length

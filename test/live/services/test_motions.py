@@ -255,7 +255,7 @@ def test_contacts_at_the_start_are_told_or_left_out(live):
         ({'end': poses(free=AT_POST), 'time_tolerance': math.nan}, 'time_tolerance is nan'),
         ({'end': poses(free=AT_POST), 'time_tolerance': -1.0}, 'time_tolerance is -1'),
         ({'end': poses(free=AT_POST), 'interpolation': 'spline'}, "interpolation='spline'"),
-        ({'end': poses(free=AT_POST), 'accuracy': 'good'}, "accuracy is 'good'"),
+        ({'end': poses(free=AT_POST), 'accuracy': 'good'}, "accuracy='good'"),
         ({'end': poses(free=AT_POST), 'ignore_limits': True}, 'ignore_limits is of a motion of j'),
         ({'path': trajectory([[0, 0, 0]]), 'interpolation': 'screw'}, 'it is of a motion of fr'),
         ({'path': trajectory([], names=['wrist'])}, 'no points'),

@@ -193,7 +193,7 @@ def test_poses_of_other_frames_count_in_all_states(live, states):
         ({'clearance': math.nan}, 'clearance is nan'),
         ({'max_distance': 1.0}, 'goes with `near`'),
         ({'want': 'near', 'max_distance': math.nan}, 'max_distance is nan'),
-        ({'accuracy': 'good'}, "accuracy is 'good'"),
+        ({'accuracy': 'good'}, "accuracy='good'"),
         ({'names': []}, 'joint_names is empty'),
         ({'names': ['shoulder', 'wrist', 'other']}, "no joint 'other' with a value of its own"),
         ({'names': ['shoulder', 'wrist', 'wrist']}, "joint 'wrist' is named twice"),

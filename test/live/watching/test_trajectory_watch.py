@@ -376,7 +376,7 @@ def test_foreign_joints_are_named(cell):
         (turn(), {'min_distance': -1.0}, 'min_distance is -1'),
         (turn(), {'time_budget': math.inf}, 'time_budget is inf'),
         (turn(), {'deviation_tolerance': -0.1}, 'deviation_tolerance is -0.1'),
-        (turn(), {'accuracy': 'best'}, "accuracy is 'best'"),
+        (turn(), {'accuracy': 'best'}, "accuracy='best'"),
         (turn(), {'profile': 'curve'}, "profile is 'curve'"),
         (turn(), {'name': 'x' * 1000}, 'name has 1000 characters'),
         (turn(stamp=BEGIN - 9.0), {}, 'the last point of path was reached 7.000 s ago'),

@@ -135,13 +135,12 @@ class Engine:
         self,
         world: World,
         filters: FilterState,
-        accuracy: str,
+        level_gap: float,
         cutoff: float,
         penetrating: bool,
         mode: int,
     ) -> Prepared:
         """Return a reusable query of a world under filters; ``mode`` is one of ``pair_query``."""
-        level_gap = GAPS_OF_LEVELS[accuracy]
         return self._queries.prepared(world, filters, level_gap, cutoff, penetrating, mode)
 
     def candidates_of(self, prepared: Prepared) -> Indices:
@@ -200,7 +199,7 @@ class Engine:
         return self._run(prepared) > 0
 
     def distance_of_pair(
-        self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
+        self, world: World, pair: Indices, level_gap: float, hint: Floats | None = None
     ) -> PairBatch:
         """Return the signed distance of one pair (1, 2), regardless of the filters.
 
@@ -212,13 +211,13 @@ class Engine:
         slots, memory = np.zeros(1, dtype=np.int64), empty_memory(1)
         if hint is not None:
             # Marked with this level, because kernels ignore the hint of another one.
-            memory[0, NORMAL : NORMAL + 3], memory[0, LEVEL_GAP] = hint, GAPS_OF_LEVELS[accuracy]
+            memory[0, NORMAL : NORMAL + 3], memory[0, LEVEL_GAP] = hint, level_gap
         if row < 0:
             return batch_of(gathered(world, slots[:0], pair, slots, memory, math.inf))
         self._kernels = compile_rows(rows)
         self._report.summary[CONSIDERED] = self._report.summary[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
-        level_gap, hits = GAPS_OF_LEVELS[accuracy], np.empty(1, dtype=np.int64)
+        hits = np.empty(1, dtype=np.int64)
         hits = self._steps.answer(world, pair, slots, memory, (level_gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
         return batch_of(gathered(world, hits, pair, slots, memory, level_gap))

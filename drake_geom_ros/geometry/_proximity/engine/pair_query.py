@@ -112,9 +112,7 @@ def run_cycle(
     moments = report.moments
     if lacking == 0:
         pose_world(handles.world, report, stale, revision, X_PFs)
-        if mode == CONTACT and _is_quick_contact(
-            world, filters_of(handles.filters), report, level_gap
-        ):
+        if mode == CONTACT and _is_quick_contact(world, filters_of(handles.filters), report):
             return 1
     if lacking != LACKS_KERNELS:
         done = bring_up_to_date(
@@ -151,12 +149,10 @@ def run_cycle(
 
 
 @inlined
-def _is_quick_contact(
-    world: WorldArrays, filters: FilterArrays, report: ReportArrays, level_gap: float
-) -> bool:
+def _is_quick_contact(world: WorldArrays, filters: FilterArrays, report: ReportArrays) -> bool:
     """Return whether a contact is evident without a neighbour list; write it to the report."""
     summary, moments = report.summary, report.moments
-    a, b = quick_contact(world, filters, level_gap, summary[CONTACT_A], summary[CONTACT_B])
+    a, b = quick_contact(world, filters, summary[CONTACT_A], summary[CONTACT_B])
     if a < 0:
         return False
     summary[CONTACT_A], summary[CONTACT_B] = a, b

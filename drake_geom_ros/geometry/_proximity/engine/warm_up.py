@@ -92,7 +92,7 @@ def _warmed_scene() -> tuple[World, Engine]:
         world.pose(named, X_PFs)
         world.copy()  # applies pending poses without a query
         world.pose(named, X_PFs)
-        query = world, filters, 'bound'
+        query = world, filters, math.inf
         for reach in (0.0, math.inf):
             engine.answer_of(engine.prepared(*query, reach, False, ANSWERS))
         engine.finds_overlap(engine.prepared(*query, 0.0, True, CONTACT))
@@ -101,7 +101,7 @@ def _warmed_scene() -> tuple[World, Engine]:
     world.update_shared()
     _leave_at_bounds(world, filters)
     engine.detailed = True  # so Python calls functions that otherwise only compiled code calls
-    engine.answer_of(engine.prepared(world, filters, 'bound', 1.0, False, ANSWERS))
+    engine.answer_of(engine.prepared(world, filters, math.inf, 1.0, False, ANSWERS))
     engine.detailed = False
     shift_of(0.0, 0.0, 0.0, 0.0)
     return world, engine

@@ -1,9 +1,8 @@
-"""Promised width of the certified bounds of an answer, at each accuracy level.
+"""Promised width of the certified bounds of an answer, at each accuracy.
 
-This is the one rule, for kernels and for their checks: the gap of the level
-(``tolerances.LEVEL_GAPS``) times the radius of the smaller body, or times 1 m where both are
-larger, plus rounding. Answers from bounds alone (BOUND_ONLY) and of overlapping solids promise no
-width, only that their bounds hold.
+This is the one rule, for kernels and for their checks: the accuracy [m] plus rounding. At
+``exact`` and below it is relative to the radius of the smaller body, up to 1 m. Answers from
+bounds alone (BOUND_ONLY) and of overlapping solids promise no width, only that their bounds hold.
 """
 
 import math
@@ -13,6 +12,7 @@ from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
+    COARSEST_GAP,
     EPS,
     PROMISED_ROUNDING,
     TOUCHING_DEPTH,
@@ -30,11 +30,12 @@ def size_of_pair(a: int, b: int, types: Indices, outer: Floats) -> float:
 
 @inlined
 def tolerance_of_pair(level_gap: float, a: int, b: int, outer: Floats) -> float:
-    """Return the gap [m] that a level allows between the bounds of a pair.
+    """Return the gap [m] between the bounds of a pair that iterations aim for.
 
-    It is absolute for bodies of one metre or more, and relative to the smaller body below.
+    It is absolute for bodies of one metre or more, and relative to the smaller body below, and at
+    most COARSEST_GAP, so that no accuracy hides a contact.
     """
-    return level_gap * min(1.0, outer[a], outer[b])
+    return min(level_gap, COARSEST_GAP) * min(1.0, outer[a], outer[b])
 
 
 @inlined
@@ -66,11 +67,15 @@ def promised_error_bound(
     p_WGs: Floats,
     roundings: Floats,
 ) -> float:
-    """Return the largest error bound [m] that keeps the promise of a level with this gap."""
+    """Return the largest error bound [m] that keeps the promise of an accuracy.
+
+    Up to COARSEST_GAP this is the gap that iterations aim for, and else the length itself.
+    """
     squared = 0.0
     for k in range(3):
         apart = p_WGs[b, k] - p_WGs[a, k]
         squared += apart * apart
     extent = size_of_pair(a, b, types, outer) + math.sqrt(squared)
     rounding = PROMISED_ROUNDING * EPS * extent + rounding_of_pair(a, b, extent, roundings)
-    return tolerance_of_pair(level_gap, a, b, outer) + rounding
+    aimed = tolerance_of_pair(level_gap, a, b, outer)
+    return (aimed if level_gap <= COARSEST_GAP else level_gap) + rounding

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry._proximity.near.arrays import FilterArrays
 from drake_geom_ros.geometry._proximity.near.making import FEW
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_error_bound
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
+from drake_geom_ros.geometry._proximity.tolerances import COARSEST_GAP, EPS, PLAIN_DEPTH
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS
 
@@ -38,12 +38,12 @@ def _along(world: WorldArrays, a: int, b: int, c: int) -> float:
 
 
 @inlined
-def _is_plain(world: WorldArrays, a: int, b: int, level_gap: float) -> bool:
+def _is_plain(world: WorldArrays, a: int, b: int) -> bool:
     """Return whether two convex bodies overlap so deeply that every level reports the pair.
 
     A translation that separates the bodies separates their inner balls, so these overlap by no
-    more than the bodies. Certified answers are off by the promise of their level; the few pairs
-    that exceed the promise do so by far less than this fraction of a body.
+    more than the bodies. Certified answers are off by the promise of ``exact``; the few pairs that
+    exceed the promise do so by far less than this fraction of a body.
     """
     radii, outer = world.ball_radii, world.outer
     x, y, z = _along(world, a, b, 0), _along(world, a, b, 1), _along(world, a, b, 2)
@@ -55,8 +55,10 @@ def _is_plain(world: WorldArrays, a: int, b: int, level_gap: float) -> bool:
     depth = balls - apart - rounding - 16.0 * EPS * (apart + outer[a] + outer[b])
     if not depth > PLAIN_DEPTH * min(radii[a], radii[b]):
         return False
-    finite = 0.0 if math.isinf(level_gap) else level_gap  # bounds alone never miss a contact
-    bound = promised_error_bound(finite, a, b, world.types, outer, world.p_WGs, world.roundings)
+    # Bounds alone never miss a contact, and iterations go on to this gap at every accuracy.
+    bound = promised_error_bound(
+        COARSEST_GAP, a, b, world.types, outer, world.p_WGs, world.roundings
+    )
     return depth > 2.0 * bound
 
 
@@ -71,13 +73,13 @@ def _may_touch(world: WorldArrays, filters: FilterArrays, a: int, b: int) -> boo
 
 @compiled
 def quick_contact(
-    world: WorldArrays, filters: FilterArrays, level_gap: float, last_a: int, last_b: int
+    world: WorldArrays, filters: FilterArrays, last_a: int, last_b: int
 ) -> tuple[int, int]:
     """Return the rows of a pair that plainly overlaps, or (-1, -1) if none was found.
 
     ``last_a`` and ``last_b`` are the rows of the last contact, or -1.
     """
-    still_overlaps = last_a >= 0 and _is_plain(world, last_a, last_b, level_gap)
+    still_overlaps = last_a >= 0 and _is_plain(world, last_a, last_b)
     if still_overlaps and _may_touch(world, filters, last_a, last_b):
         return last_a, last_b
     n = world.types.size
@@ -86,6 +88,6 @@ def quick_contact(
         for k in range(world.movable.size):
             a = world.movable[k]
             b = (a + step * step) % n  # also pairs far apart in the order of registration
-            if a != b and _is_plain(world, a, b, level_gap) and _may_touch(world, filters, a, b):
+            if a != b and _is_plain(world, a, b) and _may_touch(world, filters, a, b):
                 return min(a, b), max(a, b)
     return -1, -1

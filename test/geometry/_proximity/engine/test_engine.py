@@ -78,7 +78,7 @@ def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
         world = random_world(rng, 2, types=kinds, spread=0.3)
         engine = Engine()
         ((one,), (two,)) = (
-            engine.distance_of_pair(world, np.array([pair]), 'exact').rows
+            engine.distance_of_pair(world, np.array([pair]), 1e-9).rows
             for pair in ([0, 1], [1, 0])
         )
         assert one[DISTANCE] == pytest.approx(two[DISTANCE], abs=1e-9)
@@ -266,7 +266,7 @@ def test_two_half_spaces_are_left_out():
     for distance in (0.1, math.inf):
         batch = signed_distances(Engine(), world, filters_of(world), 'exact', distance)
         assert len(batch.ids) == 0
-    assert len(Engine().distance_of_pair(world, np.array([[0, 1]]), 'exact').ids) == 0
+    assert len(Engine().distance_of_pair(world, np.array([[0, 1]]), 1e-9).ids) == 0
 
 
 def test_a_query_that_was_not_asked_has_no_effects():

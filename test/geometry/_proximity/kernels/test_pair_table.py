@@ -43,7 +43,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.tolerances import EPS, GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 from truth.judging.asking import PairScene
 
@@ -69,7 +69,7 @@ def pair_world(row, sizes, Rs, ps):
 def answer(world, accuracy='exact'):
     """Return the result row of the world's only pair."""
     pair = np.array([[0, 1]])
-    return Engine().distance_of_pair(world, pair, accuracy).rows[0]
+    return Engine().distance_of_pair(world, pair, GAPS_OF_LEVELS[accuracy]).rows[0]
 
 
 def public_answer(row, sizes, Rs, ps):

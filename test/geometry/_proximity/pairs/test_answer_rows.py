@@ -50,7 +50,7 @@ def test_witness_points_are_the_same_in_world_in_their_bodies_and_in_their_frame
 
 def test_an_answer_is_one_array_that_nobody_changes_with_the_ids_at_its_end():
     world = random_world(np.random.default_rng(2), 40, types=(1,))
-    engine, query = Engine(), (filters_of(world), 'exact', math.inf, False, ANSWERS)
+    engine, query = Engine(), (filters_of(world), 1e-9, math.inf, False, ANSWERS)
     for _ in range(2):  # with too little room at first, then with enough
         world.set_poses(np.array([1]), np.eye(3)[None], world.p_PFs[1:2] + 0.1)
         answers = engine.answer_of(engine.prepared(world, *query))

@@ -13,7 +13,7 @@ from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, En
 from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import balls_inside
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
-from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS, PLAIN_DEPTH
+from drake_geom_ros.geometry._proximity.tolerances import PLAIN_DEPTH
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 from drake_geom_ros.geometry.shapes.primitives import for_queries
 
@@ -53,15 +53,13 @@ def test_whoever_looks_for_one_contact_answers_as_the_penetrations_do(seed, leve
 @pytest.mark.parametrize('level', ACCURACY_LEVELS)
 @pytest.mark.parametrize('share', [2.0**-20, 2.0**-11, 2.0**-9, 0.1])
 def test_near_touch_kernels_decide_and_from_a_plain_depth_on_nobody_asks_them(level, share):
-    """Two balls of 0.5 m; at level fast an answer may be a thousandth of that off."""
     frames = FrameTable(np.array([0, 1, 2]), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [SPHERE, SPHERE], [[0.5], [0.5]]))
     ps = np.array([[0.0, 0.0, 0.0], [1.0 - 0.5 * share, 0.0, 0.0]])
     world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), ps)
     engine, filters = Engine(), filters_of(world)
     assert has_overlap(engine, world, filters, level)
-    needed = PLAIN_DEPTH if level != 'fast' else 2.0 * LEVEL_GAPS['fast']
-    assert (engine.effects.broadphase_pairs == 0) == (share > needed)
+    assert (engine.effects.broadphase_pairs == 0) == (share > PLAIN_DEPTH)
 
 
 def test_a_pair_that_waits_or_is_filtered_is_no_contact():
