@@ -1,0 +1,43 @@
+"""Notebooks under examples/ run from the first cell to the last."""
+
+import json
+import os
+
+import matplotlib
+import pytest
+from conventions.source_tree import ROOT
+
+NOTEBOOKS = sorted((ROOT / 'examples').rglob('*.ipynb'))
+
+
+def run(notebook):
+    """Run the cells of a notebook, and return what their names stand for then."""
+    names = {'__name__': '__main__'}
+    for k, cell in enumerate(json.loads(notebook.read_text())['cells']):
+        if cell['cell_type'] == 'code':
+            source = ''.join(cell['source'])
+            exec(compile(source, f'{notebook.name}, cell {k}', 'exec'), names)
+    return names
+
+
+@pytest.mark.parametrize('notebook', NOTEBOOKS, ids=lambda path: path.stem)
+def test_it_runs_and_has_no_stored_outputs(notebook, monkeypatch):
+    pytest.importorskip('scipy')
+    monkeypatch.chdir(ROOT)
+    matplotlib.use('Agg')
+    run(notebook)
+    for cell in json.loads(notebook.read_text())['cells']:
+        assert cell.get('outputs', []) == []
+        assert cell.get('execution_count') is None
+
+
+def test_the_grown_region_holds_what_it_says(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    matplotlib.use('Agg')
+    names = run(ROOT / 'examples/grow_a_region.ipynb')
+    free, inside, boxed = names['free'], names['inside'], names['boxed']
+    assert free[boxed].all(), 'the box is certified'
+    assert boxed.any()
+    assert inside.sum() > 10 * boxed.sum(), 'the polytope is much larger'
+    assert (inside & ~free).sum() <= 0.2 * inside.sum()
+    names['figure'].savefig(os.devnull, format='png')
