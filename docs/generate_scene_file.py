@@ -42,6 +42,7 @@ _SECTIONS = (
     ('Sets of geometries', 'set'),
     ('Cameras', 'camera'),
     ('Proximity rules', 'proximity_rule'),
+    ('Gates', 'gate'),
     ('Obstacle sources', 'obstacle_source'),
     ('Policies of a subscription', 'source_qos'),
 )
@@ -74,6 +75,7 @@ _KINDS = {
     'source_qos': '[policies](#policies-of-a-subscription)',
     'patterns': 'text, or list of texts',
     'decelerations': 'number, list of numbers, or mapping of joints to numbers',
+    'gates': '[gate](#gates), or list of these',
 }
 
 

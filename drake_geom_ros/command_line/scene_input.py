@@ -12,6 +12,7 @@ from drake_geom_ros.scene_files import (
     RobotOptions,
     SceneDescription,
     SceneFileError,
+    gates_left_out,
     read_scene,
     register,
     sensors_left_out,
@@ -64,7 +65,8 @@ def read_and_warn(
         text = text_of(bytes_of(path), path) + '\n'  # a line break: no path
     description = read_scene(text, srdf=srdf, package_roots=package_roots, options=chosen)
     sensors = sensors_left_out(description.obstacle_sources)
-    for warning in filter(None, (*description.warnings, sensors)):
+    gates = gates_left_out(description.gates)
+    for warning in filter(None, (*description.warnings, sensors, gates)):
         print(f'warning: {warning}', file=sys.stderr)
     return description
 

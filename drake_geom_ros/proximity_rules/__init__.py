@@ -7,7 +7,12 @@ the state of each rule, and a scale of speed for the robot.
 from drake_geom_ros.proximity_rules.decisions import Poses
 from drake_geom_ros.proximity_rules.events import Event
 from drake_geom_ros.proximity_rules.measured import Measured, UnseenBodies
-from drake_geom_ros.proximity_rules.monitor import RuleMonitor, RuleState, RuleStates
+from drake_geom_ros.proximity_rules.monitor import (
+    RuleMonitor,
+    RuleState,
+    RuleStates,
+    ScaleOfRobot,
+)
 from drake_geom_ros.proximity_rules.named_geometries import NamedGeometries
 from drake_geom_ros.proximity_rules.rule import (
     Level,
@@ -31,6 +36,7 @@ __all__ = [
     'RuleMonitor',
     'RuleState',
     'RuleStates',
+    'ScaleOfRobot',
     'ScenePairs',
     'UnseenBodies',
     'WatchedKinds',

@@ -83,6 +83,13 @@ class RuleStates(NamedTuple):
         )
 
 
+class ScaleOfRobot(NamedTuple):
+    """Speed scale of one robot, 0 to 1, and why it is less than 1, in words."""
+
+    scale: float
+    why: str
+
+
 class RuleMonitor:
     """Decides each cycle which rules are entered. Times [s] are of one monotonic clock."""
 
@@ -356,6 +363,28 @@ class RuleMonitor:
             return 0.0
         entered, limits = self._entered, self._limits
         return self._speed.value(entered.is_entered, entered.awaits(limits), self._reasons, limits)
+
+    def scale_about(self, pattern: str) -> ScaleOfRobot:
+        """Return the speed scale of what a name or pattern stands for, as rules' sets have it.
+
+        It is 0 before a measurement, where nothing is called so, and where no rule about it says
+        how fast to go. A rule whose names match nothing yet is about everything.
+        """
+        watched, entered, limits = self._watched, self._entered, self._limits
+        members = self._scene.geometries.named(pattern)
+        if not members.any():
+            return ScaleOfRobot(0.0, f'{pattern[:80]!r} stands for no geometry of the scene')
+        about = (watched.needs(members) | watched.is_unknown) & self._speed.has_scale
+        if not about.any():
+            return ScaleOfRobot(0.0, f'no proximity rule says how fast {pattern[:80]!r} may go')
+        if not self.is_measured:
+            return ScaleOfRobot(0.0, 'its rules were not decided yet')
+        latched = entered.awaits(limits)
+        scales = self._speed.each(entered.is_entered, latched, self._reasons, limits)
+        scales[~about] = 1.0
+        lowest = int(scales.argmin())
+        why = '' if scales[lowest] == 1.0 else f'proximity rule {self.rules[lowest].name!r}'
+        return ScaleOfRobot(float(scales[lowest]), why)
 
     def states(self) -> list[RuleState]:
         """Return the state of each rule, in the order of their addition."""

@@ -55,6 +55,10 @@ class NamedGeometries:
             return RuleSets(nothing, nothing, lacking[0])
         return RuleSets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
 
+    def named(self, pattern: str) -> Flags:
+        """Return a mask (n,) of the geometries that match a name or pattern."""
+        return self._members([pattern])
+
     def _members(self, patterns: Sequence[str]) -> Flags:
         members = np.zeros(self._count, dtype=np.bool_)
         for pattern in patterns:

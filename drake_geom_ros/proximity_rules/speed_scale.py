@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drake_geom_ros.math.array_types import Flags
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules.decisions import Limits, Reasons
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
 from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
@@ -43,33 +43,40 @@ class SpeedScale:
         }
         self._slow = np.array(list(self._curves), dtype=np.int64)
         self._ends = np.array([curve[0, -1] for curve in self._curves.values()])
+        self.has_scale: Flags = self._stops | self._stoppable  # (r,) rules that scale
+        self.has_scale[self._slow] = True
         # Without a stop, slow or stoppable rule there is no scale to publish.
-        self.is_asked_for = bool((self._stops | self._stoppable).any() or self._curves)
+        self.is_asked_for = bool(self.has_scale.any())
 
     def value(self, entered: Flags, latched: Flags, reasons: Reasons, limits: Limits) -> float:
         """Return the scale, by masks (r,), and the reasons and limits of rules.
 
         ``latched`` are the rules that are entered and wait to be acknowledged.
         """
+        if (self._stops & (entered | (reasons.unposed > 0))).any():
+            return 0.0
+        return float(self.each(entered, latched, reasons, limits).min(initial=1.0))
+
+    def each(self, entered: Flags, latched: Flags, reasons: Reasons, limits: Limits) -> Floats:
+        """Return the scale (r,) of each rule; see ``value``."""
         unposed, absent = reasons.unposed > 0, reasons.unposed == Why.NO_POSE
-        if (self._stops & (entered | unposed)).any():
-            return 0.0
         grows = (reasons.unposed == Why.STALE) & ~limits.enters_when_stale
-        if (self._stoppable & ((unposed & ~grows) | latched)).any():
-            return 0.0
-        scale = float(reasons.stop_scale.min(initial=1.0))
+        stands = self._stops & (entered | unposed)
+        stands |= self._stoppable & ((unposed & ~grows) | latched)
+        scales = np.where(stands, 0.0, reasons.stop_scale)
         unseen = (entered & (unposed | reasons.unpredicted)) | absent
         lacking = unseen[self._slow]
         distance = np.where(latched, np.minimum(reasons.lowest, limits.enter), reasons.lowest)
         near = distance[self._slow] < self._ends
         soon = (reasons.soonest < limits.least_time)[self._slow]
         for number in self._slow[near | soon | lacking].tolist():
-            distances, scales = self._curves[number]
+            distances, curve = self._curves[number]
             lowest = -np.inf if unseen[number] else distance[number]
-            scale = min(scale, float(np.interp(lowest, distances, scales)))
+            scales[number] = np.interp(lowest, distances, curve)
             if limits.least_time[number] > 0.0:
-                scale = min(scale, float(reasons.soonest[number] / limits.least_time[number]))
-        return scale
+                in_time = reasons.soonest[number] / limits.least_time[number]
+                scales[number] = min(scales[number], in_time)
+        return scales
 
 
 def _line(begin: float, leave: float) -> tuple[tuple[float, float], ...]:

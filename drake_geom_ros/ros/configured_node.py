@@ -38,6 +38,7 @@ from drake_geom_ros.live.watching.trajectory_watch import Logs, TrajectoryWatch
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
+from drake_geom_ros.ros.gates import Gates
 from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
@@ -168,16 +169,19 @@ class ConfiguredNode:
             scene.rules.measure_again()
             self._rules.forget()
         self._watch.forget()
+        self._gates.open()
         self._stream.active = True
         self._guard.attempt(self._publish_scene)
 
     def deactivate(self) -> None:
         """Stop publishing, keep the scene and go on taking poses."""
         self._stream.stop()
+        self._gates.close()
 
     def close(self) -> None:
         """Stop, and close everything; who waits for an answer gets it first, if it comes soon."""
         self._stream.stop()
+        self._gates.close()
         self.live.close()
         self._cycle.contacts.close()
         if not self._groups.let_answers_go():
@@ -260,6 +264,10 @@ class ConfiguredNode:
             surface, self.live, stream, guard, self._groups, self._settings, obstacle_sources
         )
         self._tracked = TrackedListening(surface, self.live, stream, guard, self._groups, values)
+        with self.live.reading() as scene:
+            gates = scene.gates
+        self._gates = Gates(self._node, surface, guard, group, clocks, gates)
+        self._rules.tell_gates = self._gates.decide
 
     def _open_services(self, profile: QoSProfile) -> None:
         """Open all services."""
@@ -382,6 +390,7 @@ class ConfiguredNode:
             add_counts(message.status[0], self._cycle.cross_check.counts())
         self._obstacles.tell(message.status[0])
         self._tracked.tell(message.status[0])
+        self._gates.tell(message.status[0])
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)

@@ -22,6 +22,7 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, accuracy_of
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.paddings import paddings_of
+from drake_geom_ros.live.gates import gates_of_parameter
 from drake_geom_ros.live.inputs.obstacle_refusals import refusal_of_obstacles
 from drake_geom_ros.live.inputs.obstacle_sources import obstacle_sources_of
 
@@ -61,6 +62,7 @@ class NodeParameters:
     lcm_url: str = ''
     obstacles: tuple[str, ...] = ()
     obstacle_sources: str = ''
+    gate: str = ''
     obstacle_resolution: float = 0.03
     obstacle_reach: float = 3.0
     obstacle_box: tuple[float, ...] = ()
@@ -181,6 +183,11 @@ TEXTS = {
     'obstacle_sources': (
         'More sensors with a map each, as the key obstacle_sources of a scene file, in YAML: '
         '{front: {type: laser_scan, topic: /scan}}; empty: none.'
+    ),
+    'gate': (
+        'Commands of velocity that go from one topic to another, scaled by the proximity rules '
+        'about a robot, as the key gate of a scene file, in YAML: '
+        '{in: cmd_vel_in, out: cmd_vel, robot: base}; empty: none.'
     ),
     'obstacle_resolution': 'Edge length of the cells that points and depths become [m].' + _LIVE,
     'obstacle_reach': (
@@ -434,6 +441,7 @@ def _refusal(values: NodeParameters) -> str:
         paddings_of(values.paddings)
         paddings_of(values.obstacle_paddings, 'obstacle_paddings')
         obstacle_sources_of(values.obstacle_sources)
+        gates_of_parameter(values.gate)
     except RuntimeError as error:
         return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''

@@ -69,12 +69,13 @@ def policy(
     robot_topics: Sequence[str] = ROBOT_TOPICS,
     sensor_topics: Sequence[str] = (),
     tracked_topics: Sequence[str] = (),
+    gates: Sequence[tuple[str, str]] = (),
 ) -> str:
     """Return the policy of a node as XML.
 
     ``robot_topics`` are the values of the parameters, ``sensor_topics`` those of the scene's
     obstacle sources, with the camera_info of depth images, ``tracked_topics`` the values of the
-    parameters tracked_markers and tracked_detections.
+    parameters tracked_markers and tracked_detections, ``gates`` the two topics of each gate.
     """
     root = f'{namespace.rstrip("/")}/'
     node = f'{root}{name}'
@@ -84,14 +85,15 @@ def policy(
         absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
         return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
 
-    inputs = full([*INPUTS, *filter(None, robot_topics), *tracked_topics])
+    commands, passed = ([gate[end] for gate in gates] for end in (0, 1))
+    inputs = full([*INPUTS, *filter(None, robot_topics), *tracked_topics, *commands])
     sensed = full([*SENSED, *sensor_topics])
     results = full((*RESULTS, *SHARED_RESULTS))
     element = ElementTree.Element('policy', version=VERSION)
     enclaves = ElementTree.SubElement(element, 'enclaves')
     server_enclave = _enclave(enclaves, node)
     server = _beside(server_enclave, namespace, name)
-    _allow(server, 'topics', 'publish', [*results, *LOGS])
+    _allow(server, 'topics', 'publish', [*results, *full(passed), *LOGS])
     _allow(server, 'topics', 'subscribe', [*inputs, *CLOCK])
     _allow(server, 'services', 'reply', full(OFFERED))
     sensing = f'{name}{SENSORS}'
@@ -158,6 +160,14 @@ def main() -> int:
         metavar='TOPIC',
         help='value of the parameter tracked_markers or tracked_detections; repeat it for both',
     )
+    parser.add_argument(
+        '--gate',
+        action='append',
+        default=[],
+        nargs=2,
+        metavar=('IN', 'OUT'),
+        help='topics of a gate; repeat it for several',
+    )
     options = parser.parse_args()
     if not options.namespace.startswith('/'):
         parser.error(f'--namespace is {options.namespace!r}; it must begin with /')
@@ -167,6 +177,7 @@ def main() -> int:
         robot_topics=(options.robot_description, options.robot_description_semantic),
         sensor_topics=options.sensor_topic,
         tracked_topics=options.tracked_topic,
+        gates=[tuple(gate) for gate in options.gate],
     )
     print(text, end='')
     return 0

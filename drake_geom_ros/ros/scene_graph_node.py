@@ -27,6 +27,7 @@ from rosgraph_msgs.msg import Clock
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.live.conversions.paddings import paddings_of
+from drake_geom_ros.live.gates import all_gates
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.obstacle_sources import all_sources, obstacle_sources_of
 from drake_geom_ros.live.memory import give_back_large_blocks, leave_out_of_searches, settle
@@ -161,6 +162,7 @@ class SceneGraphNode(LifecycleNode):
                 scene.poses.history = PoseHistory()
             counts = begin_with_maps(scene, described, list(sources), values.obstacle_margin)
             scene.rules.begin_entered()
+            scene.gates = all_gates(values.gate, described)
         if described is not None:
             hulls = hulls_in_words(described.geometries)
             loaded = f'{counted(counts[0], "frame")} and {counted(counts[1], "geometry")}'

@@ -38,6 +38,7 @@ from drake_geom_ros.scene_files.description import (
     hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
+from drake_geom_ros.scene_files.gates import Gate, gates_left_out, gates_of_text, shared_topic
 from drake_geom_ros.scene_files.input_files import files_of
 from drake_geom_ros.scene_files.leaving_out import without_source
 from drake_geom_ros.scene_files.model_files import robot_name, text_format
@@ -98,7 +99,11 @@ __all__ = [
     'RobotOptions',
     'LoadedScene',
     'SceneDescription',
+    'Gate',
     'ObstacleSource',
+    'gates_left_out',
+    'gates_of_text',
+    'shared_topic',
     'SourceQos',
     'obstacle_source_of_text',
     'obstacle_sources_of_text',

@@ -24,6 +24,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.scene_files.gates import Gate
 from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.obstacle_sources import ObstacleSource
 from drake_geom_ros.sensors import CameraInfo
@@ -269,3 +270,4 @@ class SceneDescription:
     awaited: tuple[AwaitedFilter, ...] = ()
     rules: tuple[ProximityRule, ...] = ()
     obstacle_sources: tuple[ObstacleSource, ...] = ()
+    gates: tuple[Gate, ...] = ()

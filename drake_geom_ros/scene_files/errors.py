@@ -30,6 +30,11 @@ class Location:
     line: int | None = None
     key: str = ''
 
+    def __str__(self) -> str:
+        """Return the place as errors show it: file, line and key, as far as they are known."""
+        line = '' if self.line is None else f':{self.line}'
+        return f'{self.file}{line}{f": {self.key}" if self.key else ""}'
+
     def error(self, reason: str) -> SceneFileError:
         """Return an error about this place, with the ``reason``."""
         return SceneFileError(reason, self.file, self.line, self.key)

@@ -16,6 +16,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.directives import is_directives, read_directives
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.gates import gates_left_out
 from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file, mesh_scene
 from drake_geom_ros.scene_files.model_files import robot_name
 from drake_geom_ros.scene_files.mujoco_models import read_mjcf
@@ -118,7 +119,8 @@ def load_scene(
     description = read_scene(path_or_text, format, srdf, package_roots)
     loaded = register(scene_graph, description)
     sensors = sensors_left_out(description.obstacle_sources)
-    for warning in filter(None, (*loaded.warnings, sensors)):
+    gates = gates_left_out(description.gates)
+    for warning in filter(None, (*loaded.warnings, sensors, gates)):
         warnings.warn(warning, stacklevel=2)
     return loaded
 

@@ -49,7 +49,8 @@ def faults(value: Any, schema: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
         return
     import jsonschema  # slow to import, and most documents are valid
 
-    errors = list(islice(jsonschema.Draft7Validator(schema).iter_errors(value), _MOST_FAULTS))
+    found = islice(jsonschema.Draft7Validator(schema).iter_errors(value), _MOST_FAULTS)
+    errors = [part for error in found for part in _parts(error)]
     unknown = {_rule_for_keys(e) for e in errors if e.validator == 'additionalProperties'}
     for error in errors:
         # A misspelt key is also reported as missing; only the misspelling is shown.
@@ -78,6 +79,24 @@ _PATTERNS = {
     '^leave_out$': 'it must be leave_out, or a mapping {thickness: ...}',
     '^[~A-Za-z_/][A-Za-z0-9_/]*$': 'a topic is called by letters, digits, _ and /; ~ is the node',
 }
+
+
+def _parts(error: Any) -> list[Any]:
+    """Return the faults of a value of several forms: those of the form that has its type.
+
+    A value of no form's type is one fault, as is one that two forms of its type refuse.
+    """
+    if error.validator != 'oneOf':
+        return [error]
+    forms: dict[int, list[Any]] = {}
+    for part in error.context:
+        forms.setdefault(part.relative_schema_path[0], []).append(part)
+    of_its_type = [
+        form
+        for form in forms.values()
+        if not any(part.validator == 'type' and not part.relative_path for part in form)
+    ]
+    return of_its_type[0] if len(of_its_type) == 1 else [error]
 
 
 def _rule_for_keys(error: Any) -> tuple[KeyPath, KeyPath]:
@@ -109,6 +128,9 @@ def _reason(error: Any) -> str:
         return f'unknown key; allowed are {", ".join(error.schema["properties"])}'
     if kind == 'not':
         return str(limit['description'])
+    if kind == 'oneOf':
+        forms = str(error.schema['description']).rstrip('.')
+        return f'{_quote(value)} must be {forms[:1].lower()}{forms[1:]}'
     if kind in ('minProperties', 'maxProperties'):
         keys = ', '.join(error.schema.get('properties', ()))
         one = 'exactly' if 'maxProperties' in error.schema else 'at least'

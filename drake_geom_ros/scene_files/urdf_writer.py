@@ -101,6 +101,7 @@ def _only_robot(scene: SceneDescription) -> RobotDescription:
         'cameras': [camera.name for camera in scene.cameras],
         'proximity rules': [rule.name for rule in scene.rules],
         'obstacle sources': [source.name for source in scene.obstacle_sources],
+        'gates': [gate.in_words() for gate in scene.gates],
         'filters that wait for other sources': [str(each.where) for each in scene.awaited],
         'frames that are no links': beside,
         'first joint values': list(robot.configuration),

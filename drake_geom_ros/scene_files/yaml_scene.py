@@ -25,6 +25,7 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
     Statement,
 )
+from drake_geom_ros.scene_files.gates import read_gates
 from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.model_files import read_model, read_model_tree
 from drake_geom_ros.scene_files.mounting import carried, mount_clique
@@ -105,6 +106,7 @@ class _SceneParser:
             tuple(self._waiting),
             read_proximity_rules(self._document),
             read_obstacle_sources(self._document),
+            read_gates(self._document),
         )
 
     def _source(self, plain: Plain) -> str:

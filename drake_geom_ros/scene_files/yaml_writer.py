@@ -20,6 +20,7 @@ from drake_geom_ros.scene_files.description import (
     Statement,
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.gates import plain_gates
 from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.obstacle_sources import ObstacleSource, plain_obstacle_source
 from drake_geom_ros.scene_files.proximity_rules import plain_proximity_rule
@@ -76,6 +77,8 @@ def to_yaml(description: SceneDescription) -> str:
             }
             lines = ''.join(f'  {name}: {_flow(plain)}' for name, plain in sensors.items())
             text += f'obstacle_sources:\n{lines}'
+        if description.gates:
+            text += f'gate: {_flow(plain_gates(description.gates))}'
         if (size := len(text.encode(errors='surrogatepass'))) > MAX_BYTES:
             raise SceneFileError(
                 f'cannot be saved: its text would have {size} bytes, and {MAX_BYTES} are read; '

@@ -148,6 +148,7 @@ def test_the_command_prints_it():
     assert run(*options).stdout == expected
     assert '/robot_description<' not in expected
     assert '>/robot_description<' in run().stdout
+    assert '>/safe/cmd_vel<' in run('--gate', 'cmd_vel_in', '/safe/cmd_vel').stdout
     wrong = run('--namespace', 'cell')
     assert wrong.returncode == 2
     assert 'must begin with /' in wrong.stderr
@@ -159,6 +160,18 @@ def test_topics_of_sensors_are_heard_by_the_process_of_sensors_and_sent_by_mover
     for node, kind in (('scene_graph_sensors', 'subscribe'), ('mover', 'publish')):
         topics = [t.text for t in profiles[node].findall(f"topics[@{kind}='ALLOW']/topic")]
         assert {'/front/scan', '/camera/camera_info'} <= set(topics)
+
+
+def test_commands_go_through_the_gate_and_nobody_but_the_node_publishes_what_passed():
+    text = policy(namespace='/cell', gates=[('cmd_vel_in', 'cmd_vel')])
+    profiles = {p.get('node'): p for p in ElementTree.fromstring(text).iter('profile')}
+
+    def topics(node, kind):
+        return [t.text for t in profiles[node].findall(f"topics[@{kind}='ALLOW']/topic")]
+
+    assert '/cell/cmd_vel_in' in topics('scene_graph', 'subscribe')
+    assert '/cell/cmd_vel_in' in topics('mover', 'publish')
+    assert [n for n in profiles if '/cell/cmd_vel' in topics(n, 'publish')] == ['scene_graph']
 
 
 def test_topics_of_trackers_are_heard_by_the_node_and_sent_by_movers():

@@ -123,7 +123,7 @@ filters:
          '4: geometry: unknown key; allowed are name, package_roots, sources, robots, awaits, '
          'frames, '
          'geometries, '
-         'filters, cameras, obstacle_sources, proximity_rules'),
+         'filters, cameras, obstacle_sources, gate, proximity_rules'),
         (HEAD + 'filters:\n- {exclude_within: [], clique: {}}',
          '5: filters[0]: has 2 keys; give exactly one of group, clique, exclude_within, '
          'exclude_between, allow_within, allow_between, declaration, deactivate'),
@@ -136,7 +136,7 @@ filters:
         ('just text', "1: 'just text' must be a mapping"),
         ('{}', '1: has 0 keys; give at least one of name, package_roots, sources, robots, awaits, '
          'frames, geometries, '
-         'filters, cameras, obstacle_sources, proximity_rules'),
+         'filters, cameras, obstacle_sources, gate, proximity_rules'),
         (HEAD + f'- {{name: b, shape: {[1] * 50}}}',
          '4: geometries[1].shape: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,... '
          'must be a mapping'),
@@ -250,3 +250,17 @@ def test_a_scene_is_surely_valid_where_the_fast_validator_is_there(monkeypatch):
 def test_a_valid_scene_needs_no_jsonschema(monkeypatch):
     monkeypatch.setitem(sys.modules, 'jsonschema', None)
     check(RIGHT)
+
+
+@pytest.mark.parametrize(
+    ('sets', 'told'),
+    [
+        ('5', '5 must be a name or a pattern with'),
+        ('[a, 5]', '5 must be text'),
+        ('[]', 'has 0 items; 1 are needed'),
+    ],
+)
+def test_of_a_value_of_several_forms_the_fault_of_its_own_form_is_told(sets, told):
+    rule = f'{{name: r, set_a: {sets}, level: stop, enter: 0.1, leave: 0.2}}'
+    with pytest.raises(SceneFileError, match=told):
+        check(f'proximity_rules: [{rule}]\n')

@@ -105,6 +105,8 @@ class RuleEvents:
         self._told = -1  # the revision of the states that were published last
         self._stated = -math.inf  # [s] of steady time, when that was
         self._listed = _Listed(None, None)
+        # Called at each decision, in the cycle: gates stop robots at once.
+        self.tell_gates: Callable[[HeldScene], object] = lambda scene: None
 
     def look_at(
         self, scene: HeldScene, distances: SignedDistanceResults | None, reach: float
@@ -166,6 +168,7 @@ class RuleEvents:
 
     def _tell(self, scene: HeldScene, events: list[Event]) -> None:
         """Publish events, states where they changed (soon), and the scale of speed."""
+        self.tell_gates(scene)
         if events:
             message = self._types.ProximityEvents(accuracy=scene.accuracy)
             moment = scene.moment()

@@ -28,7 +28,7 @@ from drake_geom_ros.live.scene.scene_tracked import NAMED_AS_TRACKED, SceneTrack
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.live.scene.waiting import Waiting, waiting
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files import LoadedScene, SceneDescription
+from drake_geom_ros.scene_files import Gate, LoadedScene, SceneDescription
 
 _Result = TypeVar('_Result')
 _IS_THE_WORLD = (
@@ -73,6 +73,7 @@ class HeldScene:
         self.cameras = SceneCameras()
         # Called when an answer is to name the scene, whose names must be told then.
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
+        self.gates: tuple[Gate, ...] = ()  # of the node; they outlive a scene that is replaced
         self.replaced = 0  # how often another scene, or other sources, took the place of these
 
     # Changes.
@@ -287,6 +288,7 @@ class HeldScene:
             self.rules.rules,
             model.maps_source,
             self.maps.sources,
+            self.gates,
             has_tracked=self.tracked.heartbeat is not None,
         )
 

@@ -37,6 +37,7 @@ from drake_geom_ros.proximity_rules import (
     RuleMonitor,
     RuleState,
     RuleStates,
+    ScaleOfRobot,
     ScenePairs,
     WatchedPairs,
     unseen_of_groups,
@@ -494,6 +495,10 @@ class SceneRules:
     def speed_scale(self) -> float | None:
         """Return how fast to go, 0 to 1; None: no rule says."""
         return self._monitor.speed_scale()
+
+    def scale_about(self, robot: str) -> ScaleOfRobot:
+        """Return how fast a robot may go, by a name or pattern, and why not faster."""
+        return self._monitor.scale_about(robot)
 
     def _narrow(self, query: QueryObject) -> QueryObject:
         """Return the query object of the pairs of rules, made anew after changes."""

@@ -19,6 +19,7 @@ from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import (
     AwaitedFilter,
     CameraDescription,
+    Gate,
     ObstacleSource,
     RobotDescription,
     SceneDescription,
@@ -62,6 +63,7 @@ class SceneSnapshot:
     rules: tuple[ProximityRule, ...]
     maps: SourceId | None
     obstacle_sources: tuple[ObstacleSource, ...] = ()
+    gates: tuple[Gate, ...] = ()
     has_tracked: bool = False  # the source of tracked bodies is there
 
     def description(self) -> SceneDescription:
@@ -86,4 +88,5 @@ class SceneSnapshot:
             awaited=self.waiting,
             rules=self.rules,
             obstacle_sources=self.obstacle_sources,
+            gates=self.gates,
         )

@@ -35,6 +35,7 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         *(text, request.format, srdf, files.package_roots, files.folders), live.robot_options
     )
     _refuse_other_sensors(live, description)
+    _refuse_other_gates(live, description)
     if request.replace and request.replaced_sources:
         raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
     if request.replaced_sources:
@@ -65,6 +66,18 @@ def _refuse_other_sensors(live: LiveScene, description: SceneDescription) -> Non
             f'the scene has the obstacle source {other[0]!r}, which the node does not listen to: '
             'a node opens the sources of its parameter scene_file when it is configured; leave '
             'obstacle_sources out, or name the file there and configure the node anew'
+        )
+
+
+def _refuse_other_gates(live: LiveScene, description: SceneDescription) -> None:
+    """Raise ArgumentError for gates that the node has not opened."""
+    with live.reading() as scene:
+        gates = scene.gates
+    if other := [each for each in description.gates if each not in gates]:
+        raise ArgumentError(
+            f'the scene has the {other[0].in_words()} for {other[0].robot!r}, which the node has '
+            'not opened: a node opens the gates of its parameters gate and scene_file when it is '
+            'configured; leave the key gate out, or give it there and configure the node anew'
         )
 
 
