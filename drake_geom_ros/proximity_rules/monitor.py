@@ -367,8 +367,9 @@ class RuleMonitor:
     def scale_about(self, pattern: str) -> ScaleOfRobot:
         """Return the speed scale of what a name or pattern stands for, as rules' sets have it.
 
-        It is 0 before a measurement, where nothing is called so, and where no rule about it says
-        how fast to go. A rule whose names match nothing yet is about everything.
+        It is 0 before a measurement, where nothing is called so, where no rule about it says how
+        fast to go, and where one is of level STOPPABLE. A rule whose names match nothing yet is
+        about everything.
         """
         watched, entered, limits = self._watched, self._entered, self._limits
         members = self._scene.geometries.named(pattern)
@@ -381,6 +382,8 @@ class RuleMonitor:
             return ScaleOfRobot(0.0, 'its rules were not decided yet')
         latched = entered.awaits(limits)
         scales = self._speed.each(entered.is_entered, latched, self._reasons, limits)
+        # The share of a stoppable rule is of the present speed, and says nothing of another one.
+        scales[np.array([rule.level == Level.STOPPABLE for rule in self.rules])] = 0.0
         scales[~about] = 1.0
         lowest = int(scales.argmin())
         why = '' if scales[lowest] == 1.0 else f'proximity rule {self.rules[lowest].name!r}'

@@ -24,9 +24,13 @@ from drake_geom_ros.geometry import (
     closing_speeds,
 )
 from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED, some_of
+from drake_geom_ros.live.scene.measured_pairs import (
+    extents,
+    measured_pairs,
+    with_half_spaces,
+)
 from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen_bodies
 from drake_geom_ros.live.scene.seen_shells import SeenShell, with_shells
-from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules import (
     Event,
@@ -326,7 +330,7 @@ class SceneRules:
             )
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
-        measured = _with_half_spaces(_measured(results, speeds), query)
+        measured = with_half_spaces(measured_pairs(results, speeds), query)
         if shells:
             measured = with_shells(measured, query, shells, self._pairs, farthest)
         if sights:
@@ -523,7 +527,7 @@ class SceneRules:
         if self._extents is None:
             world = inspector.world_frame_id().get_value()
             ids = self._pairs.ids[self._frames != world].tolist()
-            self._extents = _extents(inspector, list(map(GeometryId, ids)))
+            self._extents = extents(inspector, list(map(GeometryId, ids)))
         speeds = []
         for frame, extent in self._extents.items():
             if frame in twists:
@@ -536,38 +540,6 @@ def _narrowed(query: QueryObject, watched: WatchedPairs) -> QueryObject:
     """Return a query object that considers the pairs that rules watch, and no other."""
     pairs = watched.watched()
     return query.narrowed(pairs.watched, pairs.kinds)
-
-
-def _measured(
-    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None
-) -> Measured:
-    return Measured(
-        results.id_A,
-        results.id_B,
-        results.distance,
-        results.error_bound,
-        results.p_WCa,
-        results.p_WCb,
-        closing_speed,
-    )
-
-
-def _with_half_spaces(measured: Measured, query: QueryObject) -> Measured:
-    """Return what was measured, and the pairs of half spaces, which no list has."""
-    gaps = query.half_space_gaps()
-    count = len(gaps.ids)
-    if not count:  # as in most scenes
-        return measured
-    nowhere, speeds = np.full((count, 3), np.nan), measured.closing_speed
-    return Measured(
-        np.concatenate((measured.id_A, gaps.ids[:, 0])),
-        np.concatenate((measured.id_B, gaps.ids[:, 1])),
-        np.concatenate((measured.distance, gaps.distance)),
-        np.concatenate((measured.error_bound, gaps.error_bound)),
-        np.concatenate((measured.p_WCa, nowhere)),
-        np.concatenate((measured.p_WCb, nowhere)),
-        None if speeds is None else np.concatenate((speeds, np.full(count, np.nan))),
-    )
 
 
 def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
@@ -602,19 +574,3 @@ def hanging(
             rows_by_frame[frame.get_value()].append(row)
             frame = inspector.GetParentFrame(frame)
     return dict(rows_by_frame)
-
-
-def _extents(
-    inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
-) -> dict[FrameId, float]:
-    """Return by frame how far [m] its geometries reach from its origin."""
-    extents: dict[FrameId, float] = defaultdict(float)
-    for geometry in geometries:
-        obb = inspector.GetObbInGeometryFrame(geometry)
-        extent = math.inf
-        if obb is not None:
-            X_FB: RigidTransform = inspector.GetPoseInFrame(geometry) @ obb.pose()
-            extent = float(np.linalg.norm(X_FB.translation()) + np.linalg.norm(obb.half_width()))
-        frame = inspector.GetFrameId(geometry)
-        extents[frame] = max(extents[frame], extent)
-    return dict(extents)
