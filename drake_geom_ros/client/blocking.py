@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import rclpy
@@ -294,7 +294,7 @@ class SceneGraphClient:
         self,
         joint_names: Sequence[str],
         positions: ArrayLike,
-        want: str = 'collision',
+        want: Literal['collision', 'least', 'near'] | str = 'collision',
         *,
         clearance: float = 0.0,
         max_distance: float = math.inf,
@@ -349,7 +349,7 @@ class SceneGraphClient:
         start_joints: JointValues | None = None,
         min_distance: float = 0.0,
         time_tolerance: float = TIME_TOLERANCE,
-        interpolation: str = '',
+        interpolation: Literal['', 'slerp', 'screw'] | str = '',
         max_evaluations: int = 0,
         accuracy: str | float = '',
         ignore_start_contacts: bool = False,

@@ -5,11 +5,13 @@ from __future__ import annotations
 import functools
 import math
 from numbers import Real
+from typing import Literal
 
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import ArgumentError
 
-AccuracyLike = str | float
+# Editors complete the names; a length may be text, too.
+AccuracyLike = Literal['bound', 'fast', 'balanced', 'exact'] | str | float
 
 
 class Accuracy(str):

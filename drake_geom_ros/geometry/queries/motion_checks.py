@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,7 +114,7 @@ class MotionChecks:
         end_poses: FramePoseVector,
         min_distance: float = 0.0,
         time_tolerance: float = TIME_TOLERANCE,
-        interpolation: str = 'slerp',
+        interpolation: Literal['slerp', 'screw'] | str = 'slerp',
         max_evaluations: int = 0,
         accuracy: AccuracyLike = '',
         *,
