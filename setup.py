@@ -50,7 +50,7 @@ EXTRAS = {
     'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion
-    'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` and the demo write
+    'pictures': ['matplotlib>=3.6', 'pillow>=10.1'],  # what `render` and the demo write
     # reports of what ROS recorded; lz4 and zstandard are what mcap needs for compressed chunks
     'recordings': ['lz4>=4', 'mcap>=1.3', 'rosbags>=0.11', 'zstandard>=0.22'],
     'volume_meshes': ['meshio>=5.3'],  # tetrahedra in .vtk files

@@ -15,13 +15,13 @@ _FIELD = re.compile(
 )
 # Every answer begins with these two, described once.
 _OUTCOME = ('success', 'message')
-_INTRODUCTION = """# Messages, services and parameters
+_INTRODUCTION = """# Messages and services
 
 Generated from the definitions by `python docs/generate_reference.py`; a test keeps it up to date.
 Units are SI, quaternions are `x y z w`, and quantities have Drake's names: `X_PF` is the pose of F
 in its parent P, `p_WCa` the point Ca in the world, `nhat_BA_W` the unit normal out of B into A.
-Arrays are flat: k vectors are 3 k numbers. [Outputs](outputs.md) and [services](services.md)
-explain how to use them.
+Arrays are flat: k vectors are 3 k numbers. [Topics](topics.md) lists the topics,
+[outputs](outputs.md) and [services](services.md) explain how to use them.
 """
 _SERVICES = """## Services
 
@@ -31,10 +31,6 @@ to look), which are left out below. For an answer about all pairs or geometries,
 how many pairs are left out because frames never had a pose, and names these frames.
 `flatten_filters` is a `std_srvs/Trigger` and has no definition of its own: it makes the present
 filters the persistent ones.
-"""
-_PARAMETERS = """## Parameters
-
-[config/scene_graph.yaml](../config/scene_graph.yaml) lists them all with their defaults:
 """
 
 
@@ -46,8 +42,6 @@ def reference() -> str:
     parts += [
         _section(path, _snake(path.stem)) for path in sorted(ROOT.glob('msg_defs/srv/*.srv'))
     ]
-    settings = (ROOT / 'config/scene_graph.yaml').read_text()
-    parts += [_PARAMETERS, f'```yaml\n{settings}```\n']
     return '\n'.join(parts)
 
 

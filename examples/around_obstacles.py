@@ -139,7 +139,10 @@ def draw(path, straight, planned, target):
             axes.add_patch(patches.Rectangle((-w / 2, -d / 2), w, d, color='0.6')).set_transform(
                 transforms.Affine2D().rotate(turn).translate(x, y) + axes.transData
             )
-    for q, color, label in ((straight, 'tab:red', 'straight'), (planned, 'tab:blue', 'planned')):
+    for q, color, label in (
+        (straight, 'tab:orange', 'straight'),
+        (planned, 'tab:blue', 'planned'),
+    ):
         for k, (x, y, turn) in enumerate(q):
             bar = transforms.Affine2D().rotate(turn).translate(x, y).transform(outline)
             named = label if k == 0 else None

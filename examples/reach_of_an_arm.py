@@ -4,7 +4,7 @@
 
 The left arm of the demo's cell is put into random postures. Each cell of the map, a slice through
 the scene seen from the side, shows the largest clearance of the postures that bring the hand
-there: white where no posture does, red where all of them collide.
+there: white where no posture does, orange where all of them collide.
 """
 
 import argparse
@@ -71,11 +71,15 @@ def main() -> None:
     colours = np.where(free, best, np.nan)
     image = axes.pcolormesh(*edges, colours[:-1, :-1], cmap='viridis', vmin=0.0)
     axes.pcolormesh(
-        *edges, np.where(reached & ~free, 1.0, np.nan)[:-1, :-1], cmap='Reds', vmin=0.0, vmax=1.4
+        *edges,
+        np.where(reached & ~free, 1.0, np.nan)[:-1, :-1],
+        cmap='Oranges',
+        vmin=0.0,
+        vmax=1.4,
     )
     figure.colorbar(image, label='largest clearance [m]')
     axes.set(xlabel='x [m]', ylabel='z [m]', aspect='equal')
-    axes.set_title('where the left hand can be: red cells only with a collision')
+    axes.set_title('where the left hand can be: orange cells only with a collision')
     figure.savefig(options.out, dpi=120)
     print(f'wrote {options.out}')
 

@@ -1,4 +1,4 @@
-"""The README: what it shows runs, and prints what it says."""
+"""The README and the page of main figures: what they show is what files and pages say."""
 
 import re
 from pathlib import Path
@@ -11,6 +11,7 @@ from drake_geom_ros.geometry._proximity.kernels.pair_table import PAIR_TABLE
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / 'README.md').read_text()
+MEASURED = (ROOT / 'docs/measured.md').read_text()
 
 
 def blocks(language):
@@ -18,11 +19,22 @@ def blocks(language):
     return re.findall(rf'^```{language}\n(.*?)^```$', README, re.S | re.M)
 
 
-def test_the_scene_files_are_those_that_ship():
-    robot, minimal = blocks('yaml')
+def test_the_robot_is_one_of_the_scene_that_ships():
+    (robot,) = blocks('yaml')
     scene = yaml.safe_load((ROOT / 'scenes/two_pandas.yaml').read_text())
     assert yaml.safe_load(robot)['robots'] == scene['robots'][:1]
-    assert minimal == (ROOT / 'scenes/minimal.yaml').read_text()
+
+
+def test_it_is_short():
+    assert len(README.splitlines()) <= 95
+
+
+def test_the_film_is_small_and_moves():
+    (film,) = re.findall(r'!\[.*\]\((.*\.gif)\)', README)
+    content = (ROOT / film).read_bytes()
+    assert content.startswith(b'GIF89a')
+    assert len(content) < 3_000_000
+    assert content.count(b'\x21\xf9\x04') > 50  # graphic control extensions, one a picture
 
 
 def test_the_worst_errors_are_those_of_the_pair_table():
@@ -36,13 +48,15 @@ def test_every_command_of_run_is_known():
     usage = (ROOT / 'run').read_text().partition("<<'EOF'\n")[2].partition('\nEOF')[0]
     known = set(re.findall(r'^\./run ([\w-]+)', usage, re.M))
     assert known == set(re.findall(r'^\| `\./run ([\w-]+)', page, re.M))
-    assert set(re.findall(r'\./run ([\w-]+)', README)) <= known
+    named = set(re.findall(r'\./run ([\w-]+)', README))
+    assert named <= known
+    assert 'test' in named, 'which .ci/run calls'
 
 
 def test_figures_are_those_of_the_pages():
     """What is called measured stands on the page that was measured."""
     cases = (ROOT / 'docs/hard_cases.md').read_text()
-    ((count, told),) = re.findall(r'^\| (\d+) hard cases.* \| (.*) \|', README, re.M)
+    ((count, told),) = re.findall(r'^\| (\d+) hard cases.* \| (.*) \|', MEASURED, re.M)
     for library, passed in re.findall(r'(Coal|MuJoCo|python-fcl|pydrake) (\d+)', told):
         assert f'| signed_distance | {library} | {passed} |' in cases
     (ours,) = re.findall(r'^(\d+)', told)
@@ -50,7 +64,7 @@ def test_figures_are_those_of_the_pages():
     assert f'Of {count} hard cases of usual size, this project solves {ours} ' in cases
     hunt = (ROOT / 'docs/accuracy/hunt.md').read_text()
     ((pairs, places, broken),) = re.findall(
-        r'^\| \[(\d+) pairs\].* (\d+) placements .* \| (\d+) broken', README, re.M
+        r'^\| \[(\d+) pairs\].* (\d+) placements .* \| (\d+) broken', MEASURED, re.M
     )
     assert f': {pairs} pairs judged' in hunt
     assert f'{places} placements judged' in hunt
@@ -63,7 +77,7 @@ def test_figures_are_those_of_the_pages():
 def test_round_trips_are_those_of_the_performance_page(scene):
     page = (ROOT / 'docs/performance.md').read_text()
     row = rf'^\| {scene}, (\d+) pairs per answer, (\d+) Hz.* \| (.*) \|'
-    ((pairs, rate, told),) = re.findall(row, README, re.M)
+    ((pairs, rate, told),) = re.findall(row, MEASURED, re.M)
     figures = re.findall(
         rf'^\| {scene} \| {rate} \| {pairs} \|' + r' ([\d.]+) \|' * 4 + r' (\S+) ', page, re.M
     )

@@ -62,7 +62,7 @@ def add_to(commands: Any) -> None:
         type=distance,
         metavar='D',
         help='a picture CAMERA_view.png, too, with lines between the nearest points of pairs up '
-        'to D [m], red where they overlap',
+        'to D [m], orange where they overlap',
     )
     parser.add_argument(
         '--see-through',

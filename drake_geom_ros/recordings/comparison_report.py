@@ -52,7 +52,7 @@ def _draw(comparisons: Sequence[SetComparison], other: str) -> bytes:
             each.run,
             each.other,
             where=nearer,
-            color='tab:red',
+            color='tab:orange',
             alpha=0.25,
             lw=0,
             label='this run is nearer',

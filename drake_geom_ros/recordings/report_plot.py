@@ -79,7 +79,7 @@ def _draw_set(
             times[far & whole],
             np.full((far & whole).sum(), top),
             '|',
-            color='tab:green',
+            color='tab:blue',
             label=label,
             ms=5,
         )
@@ -118,7 +118,7 @@ def _limits(
 
 def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
     for k, threshold in enumerate(sorted(thresholds, reverse=True)):
-        colour = ('tab:orange', 'tab:red')[min(k, 1)] if threshold > 0.0 else 'darkred'
+        colour = ('#f5a742', '#d95f02')[min(k, 1)] if threshold > 0.0 else '#7a3000'
         axes.axhspan(-1e9, threshold, color=colour, alpha=0.12, lw=0)
         label = (
             f'threshold {threshold:g} m'  # in the legend, since data would cover it at the line

@@ -191,7 +191,7 @@ def main(args: list[str] | None = None) -> int:
                 description='Plays a motion of a scene as FramePoses messages, on /tf, or as '
                 'joint states.',
                 texts=_TEXTS,
-                see='docs/motions.md describes motion files; ~/restart (std_srvs/Trigger) begins '
+                see='docs/motion_files.md has the formats; ~/restart (std_srvs/Trigger) begins '
                 'anew.',
             )
         )

@@ -154,10 +154,11 @@ def sensors_left_out(sources: Sequence[ObstacleSource]) -> str:
     if not sources:
         return ''
     names = ', '.join(each.name for each in sources)
-    return (
-        f'{sources[0].where}: obstacle_sources ({names}) are maps that a node makes of what '
-        'sensors see: here none of that is in any answer'
+    reason = (
+        f'obstacle_sources ({names}) are maps that a node makes of what sensors see: here none '
+        'of that is in any answer'
     )
+    return str(sources[0].where.error(reason))
 
 
 def plain_obstacle_source(source: ObstacleSource) -> dict[str, Any]:

@@ -40,11 +40,12 @@ PALETTE = (
 _GROUND = (0.75, 0.75, 0.75)
 # Transparent, so that points inside, such as the deepest one of an overlap, are visible.
 _PROXIMITY_ALPHA = 0.45
-# Colours of overlapping pairs, of their normals, and of the gaps of other pairs.
+# Colours of overlapping pairs, of their normals, and of the gaps of other pairs: orange and blue,
+# which the colour-blind can distinguish, too.
 PAIR_COLOURS: dict[str, Colour] = {
-    'contacts': (1.0, 0.1, 0.1, 1.0),
+    'contacts': (0.95, 0.35, 0.0, 1.0),
     'normals': (1.0, 0.8, 0.0, 1.0),
-    'distances': (0.1, 0.9, 0.3, 1.0),
+    'distances': (0.05, 0.2, 0.9, 1.0),
 }
 # Colours of sensed cells that are new and that are about to be stale, of stale ones, of those
 # beside bodies, and of those that bodies hide from the sensor.

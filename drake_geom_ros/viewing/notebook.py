@@ -66,6 +66,7 @@ def show(
     q: ArrayLike | None = None,
     *,
     max_distance: float = 0.05,
+    nearest: int = 10,
     see_through: float = 0.4,
     from_W: Sequence[float] | None = None,
     at_W: Sequence[float] | None = None,
@@ -81,7 +82,8 @@ def show(
         joints: The joints of ``q``.
         q: Joint values (c,) [rad] or [m].
         max_distance: Pairs up to this distance [m] are drawn as lines between their nearest
-            points, red if they overlap; a negative one draws none.
+            points, orange if they overlap; a negative one draws none.
+        nearest: The maximum number of pairs that are drawn, the nearest ones.
         see_through: Opacity of bodies, in (0, 1].
         from_W: Position (3,) [m] of the camera; by default it sees the whole scene.
         at_W: Point (3,) [m] that the camera looks at.
@@ -106,7 +108,8 @@ def show(
         camera = Camera(looking(from_W, at_W), CameraInfo(*size, fov_y))
     pairs = None
     if max_distance >= 0.0:
-        pairs = ReportedPairs.of(query.ComputeSignedDistancePairwiseClosestPoints(max_distance))
+        reported = query.ComputeSignedDistancePairwiseClosestPoints(max_distance)
+        pairs = ReportedPairs.of(reported).rows(slice(nearest))
     patches = None
     if contacts:
         inspector = query.inspector()

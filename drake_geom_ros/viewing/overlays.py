@@ -17,7 +17,8 @@ Pixels = NDArray[np.uint8]
 
 MOST_PAIRS = 200  # lines in a picture, of the nearest pairs
 _MOST_TEXTS = 5  # distances written beside lines, of the nearest pairs with free space
-_TEXT = (60, 14)  # [pixels] size of such a text
+_TEXT = (60, 14)  # [pixels] size of such a text in a small image
+_LINES = 30  # texts that would fit above one another in a large image
 _SAMPLES = 2  # of a patch along each side of a pixel
 _SCALE = (120, 10, 8)  # [pixels] length, height, and distance to the lower left corner
 
@@ -29,6 +30,7 @@ def with_pairs(pixels: Pixels, ends: Floats, pairs: ReportedPairs) -> Pixels:
     camera.
     """
     image, pen = _drawable(pixels)
+    scale = _scale_of(pixels)
     order = np.argsort(-pairs.distance, kind='stable')[-MOST_PAIRS:]  # the nearest on top
     ends = ends[order]
     for row, line in zip(order.tolist(), ends, strict=True):
@@ -37,18 +39,20 @@ def with_pairs(pixels: Pixels, ends: Floats, pairs: ReportedPairs) -> Pixels:
         overlaps = pairs.distance[row] < 0.0
         colour = _bytes('contacts' if overlaps else 'distances')
         a, b = (tuple(end) for end in line.tolist())
-        pen.line([a, b], fill=(0, 0, 0), width=5)
-        pen.line([a, b], fill=colour, width=3)
+        pen.line([a, b], fill=(0, 0, 0), width=round(3 * scale) + 2)
+        pen.line([a, b], fill=colour, width=round(3 * scale))
         for x, y in (a, b):
-            pen.ellipse((x - 3, y - 3, x + 3, y + 3), fill=colour, outline=(0, 0, 0))
+            r = 3.0 * scale
+            pen.ellipse((x - r, y - r, x + r, y + r), fill=colour, outline=(0, 0, 0))
     written: list[Floats] = []
     for row, line in zip(order[::-1].tolist(), ends[::-1], strict=True):
         place = line.mean(axis=0)
-        near = any((np.abs(place - other) < _TEXT).all() for other in written)
+        near = any((np.abs(place - other) < scale * np.array(_TEXT)).all() for other in written)
         if len(written) < _MOST_TEXTS and not near and np.isfinite(place).all():
             written.append(place)
             x, y = place.tolist()
-            _write(pen, (x + 6, y - 12), f'{1e3 * pairs.distance[row]:.1f} mm')
+            text = f'{1e3 * pairs.distance[row]:.1f} mm'
+            _write(pen, (x + 6 * scale, y - (_TEXT[1] + 2) * scale), text, scale)
     return np.asarray(image)
 
 
@@ -128,8 +132,15 @@ def _drawable(pixels: Pixels) -> tuple[Any, Any]:
     return image, ImageDraw.Draw(image)
 
 
-def _write(pen: Any, place: tuple[float, float], text: str) -> None:
-    pen.text(place, text, fill=(0, 0, 0), stroke_width=2, stroke_fill='white')
+def _scale_of(pixels: Pixels) -> float:
+    """Return by how much lines and texts of an image are larger than those of a small one."""
+    height: int = pixels.shape[0]
+    return max(1.0, height / (_LINES * _TEXT[1]))
+
+
+def _write(pen: Any, place: tuple[float, float], text: str, scale: float = 1.0) -> None:
+    size = round(scale * (_TEXT[1] - 3))
+    pen.text(place, text, fill=(0, 0, 0), stroke_width=2, stroke_fill='white', font_size=size)
 
 
 def _bytes(name: str) -> tuple[int, int, int]:

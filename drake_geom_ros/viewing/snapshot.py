@@ -144,7 +144,7 @@ def picture(
     """Return the pixels (height, width, 3) of a scene at its current poses.
 
     ``see_through`` is the opacity of bodies, 1: opaque; half spaces are always opaque. ``pairs``
-    are drawn on top as lines between their nearest points, red if they overlap, with distances.
+    are drawn on top as lines between their nearest points, orange if they overlap, with distances.
     ``patches``, contact surfaces, are coloured by pressure, with a scale. Raises GeometryError
     for an opacity outside (0, 1].
     """

@@ -1,5 +1,6 @@
 """Code blocks of the documentation, each page read as CommonMark."""
 
+import re
 from dataclasses import dataclass
 
 import yaml
@@ -12,11 +13,15 @@ PARSER = MarkdownIt('commonmark')
 
 @dataclass(frozen=True)
 class Block:
-    """One code block: its language (empty for an indented one), its text, its line in the page."""
+    """One code block: its language (empty for an indented one), its text, its line in the page.
+
+    A block with a title is a file that the reader saves under this name.
+    """
 
     language: str
     text: str
     line: int
+    title: str = ''
 
     @property
     def first_line(self):
@@ -24,7 +29,9 @@ class Block:
 
     @property
     def kind(self):
-        """Return how it is run: doctest, python, console or yaml; the language for all else."""
+        """Return how it is run: file, doctest, python, console or yaml; else the language."""
+        if self.title:
+            return 'file'
         if self.first_line.startswith('>>> '):
             return 'doctest'
         if self.first_line.startswith('$ '):
@@ -42,10 +49,15 @@ def blocks(path):
     """Return the code blocks of a page, fenced and indented, in order."""
     tokens = PARSER.parse((ROOT / path).read_text())
     return [
-        Block(token.info, token.content, token.map[0] + 1)
+        Block(token.info.partition(' ')[0], token.content, token.map[0] + 1, _title(token.info))
         for token in tokens
         if token.type in ('fence', 'code_block') and token.content.strip()
     ]
+
+
+def _title(info):
+    title = re.search(r'title="([^"]+)"', info)
+    return title[1] if title else ''
 
 
 def exceptions(page):

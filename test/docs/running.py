@@ -22,7 +22,7 @@ PARAMETERS = ROOT / 'config/scene_graph.yaml'
 # Which kernels are compiled depends on what ran before.
 COMPILING = re.compile(r'^drake_geom_ros: compiling, .*\n', re.M)
 # Kinds of blocks that are run; all others are commands and output, listed as exceptions.
-KINDS = ('doctest', 'python', 'console', 'yaml')
+KINDS = ('file', 'doctest', 'python', 'console', 'yaml')
 
 
 def public_names():
@@ -55,6 +55,9 @@ class PageRunner:
 
     def run(self, block):
         """Run a block, and compare what it prints with what the page shows."""
+        if block.kind == 'file':
+            (self.folder / block.title).write_text(block.text)
+            return
         getattr(self, f'_{block.kind}')(block.text)
 
     def _python(self, text):

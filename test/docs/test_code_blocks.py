@@ -48,6 +48,17 @@ def test_every_block_of_a_page_runs_and_prints_what_it_shows(page, tmp_path, mon
         pytest.skip(f'blocks of the page need {", ".join(sorted(missing))}')
 
 
+def test_every_file_of_a_page_is_used_by_a_later_command():
+    unused = []
+    for page in PAGES:
+        lines = (ROOT / page).read_text().splitlines()
+        for block in blocks(page):
+            later = '\n'.join(lines[block.line + block.text.count('\n') :])
+            if block.title and not re.search(rf'(?<!["\w]){re.escape(block.title)}', later):
+                unused.append(f'{page}:{block.line}: {block.title}')
+    assert unused == []
+
+
 def test_every_exception_is_a_block_of_its_page_and_gives_a_reason():
     there = {(page, block.first_line) for page in PAGES for block in blocks(page)}
     there |= {(page, '*') for page in PAGES}

@@ -60,4 +60,4 @@ def test_lists_and_tables_are_told_from_paragraphs(built):
 def test_the_index_lists_every_page():
     index = (ROOT / 'docs/index.md').read_text()
     pages = {path.relative_to(ROOT / 'docs').as_posix() for path in (ROOT / 'docs').rglob('*.md')}
-    assert {*re.findall(r'\]\(([^)#]+)\)', index)} == pages - {'index.md'}
+    assert {*re.findall(r'\]\(([^)#]+\.md)\)', index)} == pages - {'index.md'}

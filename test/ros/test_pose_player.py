@@ -253,7 +253,7 @@ def test_help_says_what_it_takes_and_starts_nothing():
         assert done.stderr == ''
         for name in ('scene_file', 'trajectory_file', 'topic', 'rate', 'tf', 'loop'):
             assert f'\n  {name} ' in done.stdout
-    page = (ROOT / 'docs/motions.md').read_text()
+    page = (ROOT / 'docs/motion_files.md').read_text()
     for line in done.stdout.split('\n'):
         if line.startswith('  '):
             assert f'| `{line.split()[0]}` |' in page

@@ -1,29 +1,40 @@
-"""The README against a real node: its client and its topics; requests of docs/services.md."""
+"""README, first tutorials and the pages of topics and services against a real node."""
 
 import re
 from importlib import import_module
 
 import pytest
 import yaml
+from docs.pages import blocks
 from ros.harness import ROOT, run_python, start_node, wait_until_ready
 from ros.scene_calls import accepted
 
 from drake_geom_ros.ros.services.table import SERVICES
+from drake_geom_ros.ros.topics import OUTPUTS
 
 pytestmark = pytest.mark.topics
 
 README = (ROOT / 'README.md').read_text()
+FIRST_SCENE = (ROOT / 'docs/tutorials/first_scene.md').read_text()
+TOPICS_PAGE = (ROOT / 'docs/topics.md').read_text()
 SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
 
 
 @pytest.mark.parametrize(
-    ('example', 'asked'),
+    ('example', 'page', 'asked'),
     [
-        ('move_an_arm.py', {'scene_file': 'scenes/two_pandas.yaml', 'use_joint_states': True}),
-        ('ask_the_node.py', {'scene_file': 'scenes/minimal.yaml', 'max_distance': 1.0}),
+        (
+            *('move_an_arm.py', README),
+            {'scene_file': 'scenes/two_pandas.yaml', 'use_joint_states': True},
+        ),
+        (
+            *('ask_the_node.py', FIRST_SCENE),
+            {'scene_file': 'scenes/minimal.yaml', 'max_distance': 1.0},
+        ),
     ],
+    ids=['move_an_arm', 'ask_the_node'],
 )
-def test_an_example_prints_what_the_readme_says(tmp_path, lone_client, example, asked):
+def test_an_example_prints_what_its_page_says(tmp_path, lone_client, example, page, asked):
     node = start_node(tmp_path / 'log', **{'max_distance': 0.3, **asked})
     try:
         wait_until_ready(lone_client)
@@ -31,7 +42,29 @@ def test_an_example_prints_what_the_readme_says(tmp_path, lone_client, example, 
     finally:
         node.end()
     assert done.returncode == 0, done.stderr + node.output()
-    assert f'```\n{done.stdout}```' in README
+    assert f'```\n{done.stdout}```' in page
+
+
+def test_the_tutorial_of_a_robot_stops_it(tmp_path, lone_client):
+    page = 'docs/tutorials/robot_beside_a_table.md'
+    for block in blocks(page):
+        if block.title:
+            (tmp_path / block.title).write_text(block.text)
+    (tmp_path / 'arm.srdf').write_text('<robot name="arm"/>')
+    cell = tmp_path / 'cell.yaml'
+    node = start_node(tmp_path / 'log', scene_file=cell, use_joint_states=True)
+    try:
+        wait_until_ready(lone_client)
+        done = run_python(tmp_path / 'watch.py')
+    finally:
+        node.end()
+    assert done.returncode == 0, done.stderr + node.output()
+    assert f'```\n{done.stdout}```' in (ROOT / page).read_text()
+
+
+def test_the_scene_of_the_first_tutorial_is_the_smallest_that_ships():
+    (scene,) = [b.text for b in blocks('docs/tutorials/first_scene.md') if b.language == 'yaml']
+    assert scene == (ROOT / 'scenes/minimal.yaml').read_text()
 
 
 def filled(message, values):
@@ -72,16 +105,21 @@ def test_every_request_in_the_table_goes_through_in_order(minimal, lone_client):
 
 
 def test_every_topic_in_the_table_is_there(minimal, lone_client):
-    # /tf needs use_tf, and tf2_msgs, which not every installation has; and joints are asked for.
-    rows = re.findall(r'^\| `([\w~/]+)`(?: \((?:in|latched)\))? \| `([\w/]+)` \|', README, re.M)
+    # /tf needs use_tf, and tf2_msgs, which not every installation has; joints and twists are asked
+    # for.
+    rows = re.findall(
+        r'^\| `([\w~/]+)`(?: \((?:in|latched)\))? \| `([\w/]+)` \|', TOPICS_PAGE, re.M
+    )
     listed = {
         name.replace('~', '/scene_graph') if name.startswith(('~', '/')) else f'/{name}': kind
         if '/' in kind
         else f'drake_geom_msgs/{kind}'
         for name, kind in rows
-        if name != 'joint_states'
+        if name not in ('joint_states', '~/frame_twists')
     }
-    assert len(listed) == 15
+    outputs = {name.replace('~', '/scene_graph') for name in OUTPUTS}
+    assert outputs <= set(listed)
+    assert len(listed) == 20
 
     def there():
         topics = dict(lone_client.node.get_topic_names_and_types())
@@ -90,6 +128,5 @@ def test_every_topic_in_the_table_is_there(minimal, lone_client):
     lone_client.wait_for(there, f'the topics {listed}')
 
 
-def test_the_pages_count_the_services():
-    assert f'\n{len(SERVICES)} services register' in README
+def test_the_page_counts_the_services():
     assert f'All {len(SERVICES)} services are private' in SERVICES_PAGE

@@ -58,7 +58,7 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
 
 
 def test_the_file_that_the_page_shows_is_one(tmp_path):
-    page = (ROOT / 'docs/motion.md').read_text()
+    page = (ROOT / 'docs/motion_checks.md').read_text()
     block = page.split('```yaml\njoint_names', 1)[1].split('```', 1)[0]
     file = tmp_path / 'way.yaml'
     file.write_text('joint_names' + block)

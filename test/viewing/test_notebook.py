@@ -55,15 +55,26 @@ def test_bands_of_rows_are_one_picture(scene_graph, monkeypatch):
         assert np.array_equal(show(scene_graph, see_through=0.3, **VIEW).pixels, found)
 
 
-def test_nearest_points_are_drawn_over_all_else_red_where_bodies_overlap(scene_graph):
+def test_nearest_points_are_drawn_over_all_else_orange_where_bodies_overlap(scene_graph):
     bare = show(scene_graph, see_through=1.0, max_distance=-1.0, **VIEW).pixels
     near = show(scene_graph, see_through=1.0, max_distance=0.01, **VIEW).pixels
     changed = (bare != near).any(axis=2)
     assert changed.any()
-    red = near[changed].astype(int)
-    assert ((red[:, 0] > 200) & (red[:, 1] < 60)).any()
-    green = show(scene_graph, see_through=1.0, max_distance=0.5, **VIEW).pixels
-    assert ((green[..., 1] > 200) & (green[..., 0] < 60)).any()
+    orange = near[changed].astype(int)
+    assert ((orange[:, 0] > 200) & (orange[:, 2] < 20)).any()
+    blue = show(scene_graph, see_through=1.0, max_distance=0.5, **VIEW).pixels
+    assert ((blue[..., 2] > 200) & (blue[..., 0] < 60)).any()
+
+
+def test_only_the_nearest_pairs_are_drawn(scene_graph):
+    def drawn(nearest):
+        return show(scene_graph, max_distance=1.0, nearest=nearest, **VIEW).pixels
+
+    none, one, every = drawn(0), drawn(1), drawn(10)
+    np.testing.assert_array_equal(none, show(scene_graph, max_distance=-1.0, **VIEW).pixels)
+    changed = [(each != none).any(axis=2) for each in (one, every)]
+    assert 0 < changed[0].sum() < changed[1].sum()
+    assert not (changed[0] & ~changed[1]).any()
 
 
 def test_without_a_camera_all_of_the_scene_is_in_sight(scene_graph):

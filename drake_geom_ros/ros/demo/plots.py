@@ -13,7 +13,7 @@ _MOST_LABELS = 12  # spells of contact that have a name; of more only the deepes
 
 # As the viewer has them.
 _LEVELS = {'warn': '#e6be00', 'slow': '#ff7800', 'stop': '#ff0000', 'stoppable': '#c800a0'}
-_BLUE, _GREEN, _RED, _GREY = '#1f5fa8', '#2a8a57', '#c0392b', '#555555'
+_BLUE, _ORANGE, _DEEP, _GREY = '#1f5fa8', '#d9822b', '#a63f00', '#555555'
 
 
 def draw_distances(recording: Recording, path: Path) -> None:
@@ -60,15 +60,15 @@ def _draw_smallest(axes: Any, recording: Recording) -> None:
         between = np.array([pairs.between for pairs in recording.pairs])
         between[np.isinf(between)] = np.nan
         label = f'{recording.between[0]} arm to {recording.between[1]} arm'
-        axes.plot(time, between * 1e3, color=_GREEN, lw=1.6, label=label)
+        axes.plot(time, between * 1e3, color=_ORANGE, lw=1.6, label=label)
     if recording.approach is not None:
         moment = recording.approach
-        axes.plot(moment.time - recording.start, moment.distance * 1e3, 'o', color=_GREEN, ms=7)
+        axes.plot(moment.time - recording.start, moment.distance * 1e3, 'o', color=_ORANGE, ms=7)
         axes.annotate(
             f'{moment.distance * 1e3:.1f} mm\n(closest.png)',
             (moment.time - recording.start, moment.distance * 1e3),
-            xytext=(0, 34), textcoords='offset points', ha='center', fontsize=9, color=_GREEN,
-            arrowprops={'arrowstyle': '-', 'color': _GREEN, 'lw': 0.8},
+            xytext=(0, 34), textcoords='offset points', ha='center', fontsize=9, color=_ORANGE,
+            arrowprops={'arrowstyle': '-', 'color': _ORANGE, 'lw': 0.8},
         )  # fmt: skip
     _mark_events(axes, recording)
     axes.axhline(0.0, color='black', lw=0.8)
@@ -105,8 +105,8 @@ def _mark_events(axes: Any, recording: Recording) -> None:
 def _draw_deepest(axes: Any, recording: Recording) -> None:
     time = np.array([contact.time for contact in recording.contacts]) - recording.start
     depth = np.array([contact.depth for contact in recording.contacts]) * 1e3
-    axes.fill_between(time, depth, color=_RED, alpha=0.25, lw=0)
-    axes.plot(time, depth, color=_RED, lw=1.4)
+    axes.fill_between(time, depth, color=_DEEP, alpha=0.25, lw=0)
+    axes.plot(time, depth, color=_DEEP, lw=1.4)
     axes.set_ylabel('deepest penetration [mm]')
     top = depth[time >= _settled(recording)].max(initial=0.0)
     top = 1.7 * top if top > 0.0 else 1.0
@@ -123,7 +123,7 @@ def _draw_deepest(axes: Any, recording: Recording) -> None:
             middle, height, align = end - recording.start, 0.4 * top, 'left'
         axes.annotate(
             label, (middle, height), xytext=(0 if align == 'center' else 9, 4 + 22 * (number % 2)),
-            textcoords='offset points', ha=align, va='bottom', fontsize=7.5, color=_RED,
+            textcoords='offset points', ha=align, va='bottom', fontsize=7.5, color=_DEEP,
             bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 1.0},  # above other lines
         )  # fmt: skip
 
