@@ -1,10 +1,12 @@
-"""The gates of a node: those of its parameter, and those of its scene file."""
+"""The gates of a node: those of its parameter, and those of its scene file; what they pass."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.velocity_gate import Decision, VelocityGate
 from drake_geom_ros.scene_files import Gate, SceneDescription, gates_of_text, shared_topic
 
 _PARAMETER = 'gate'
@@ -38,3 +40,31 @@ def refuse_shared_topic(gate: Gate, others: Sequence[Gate]) -> None:
                 f'{other.in_words()} ({other.where}): a command passes one gate, and each gate '
                 'has an output of its own; leave one of the two out'
             )
+
+
+def decide_gate(scene: HeldScene, robot: str, gate: VelocityGate, now: float) -> None:
+    """Tell the gate of a robot what the rules of a scene allow at the time ``now`` [s].
+
+    Where rules of level STOPPABLE are about the robot, its last command is proved: the base is
+    swept along it, through reaction and braking. What passes is that command alone, times the
+    largest share for which all of these stops are clear.
+    """
+    scale, why, stoppable = scene.rules.scale_about(robot)
+    if not stoppable:
+        gate.decide(Decision(scale, why), now)
+        return
+    command = gate.command()
+    if command[2:5].any():
+        why = 'of its command only x, y and the turn about z can be proved'
+        gate.decide(Decision(0.0, why), now, command)
+        return
+    stops = scene.stopping.commanded(robot, command) if scale > 0.0 else {}
+    if stops is None:
+        why = f'{robot!r} is no robot whose braking proximity rule {stoppable[0]!r} could prove'
+        gate.decide(Decision(0.0, why), now, command)
+        return
+    for name in stoppable if stops else ():
+        stop = stops.get(name)
+        if stop is None or stop.scale < scale:
+            scale, why = 0.0 if stop is None else stop.scale, f'proximity rule {name!r}'
+    gate.decide(Decision(scale, why), now, command)

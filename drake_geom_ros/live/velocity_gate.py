@@ -58,6 +58,7 @@ class VelocityGate:
         self._is_open = False
         self._decision, self._decided = UNDECIDED, -math.inf
         self._command, self._heard = np.zeros(6), -math.inf
+        self._proved: Floats | None = None  # the only command that the decision is about
         self._passed = 0.0  # scale of the last message, where that was not at rest
         self._zeros = 0  # messages of rest that are still to be sent
         self.stopped = 0  # how often the robot was stopped
@@ -83,17 +84,28 @@ class VelocityGate:
         with self._lock:
             self._command = np.array(twist) if is_finite else np.zeros(6)
             self._heard = now
-            self._pass(now, header)
+            if self._proved is None or not self._command.any():
+                self._pass(now, header)
         if not is_finite:
             raise ArgumentError(f'the twist is {twist.tolist()}; it must be finite')
 
-    def decide(self, decision: Decision, now: float) -> None:
-        """Take what the rules of now allow; a robot that may not go on as fast is told at once."""
+    def decide(self, decision: Decision, now: float, proved: Floats | None = None) -> None:
+        """Take what the rules of now allow; a robot that may not go on as fast is told at once.
+
+        With ``proved`` (6,) the decision is about this command alone: it is what passes, now, and
+        a later one waits for the decision about it. A command to rest waits for none.
+        """
         with self._lock:
             stops = decision.scale == 0.0 < self._decision.scale
-            self._decision, self._decided = decision, now
-            if stops or decision.scale < self._passed:
+            self._decision, self._decided, self._proved = decision, now, proved
+            is_next = proved is not None and bool(proved.any())
+            if is_next or stops or decision.scale < self._passed:
                 self._pass(now)
+
+    def command(self) -> Floats:
+        """Return the last command (6,) [m/s, rad/s], whatever became of it."""
+        with self._lock:
+            return self._command
 
     def look(self, now: float) -> None:
         """Stop a robot for which nothing comes any more: no command, or no decision."""
@@ -122,9 +134,10 @@ class VelocityGate:
     def _pass(self, now: float, header: Any = None) -> None:
         """Send the last command as fast as is allowed."""
         scale = min(1.0, max(0.0, self._allowed(now).scale))
-        if scale > 0.0 and self._command.any():
+        command = self._command if self._proved is None else self._proved
+        if scale > 0.0 and command.any() and self._command.any():
             self._passed, self._zeros = scale, 0
-            self._send(self._command * scale, header)
+            self._send(command * scale, header)
         else:
             self._rest(header)
 

@@ -84,10 +84,15 @@ class RuleStates(NamedTuple):
 
 
 class ScaleOfRobot(NamedTuple):
-    """Speed scale of one robot, 0 to 1, and why it is less than 1, in words."""
+    """Speed scale of one robot, 0 to 1, and why it is less than 1, in words.
+
+    Braking from a velocity that the robot is to have is to be proved for the rules ``stoppable``,
+    by name: that from its present one is.
+    """
 
     scale: float
     why: str
+    stoppable: tuple[str, ...] = ()
 
 
 class RuleMonitor:
@@ -367,9 +372,9 @@ class RuleMonitor:
     def scale_about(self, pattern: str) -> ScaleOfRobot:
         """Return the speed scale of what a name or pattern stands for, as rules' sets have it.
 
-        It is 0 before a measurement, where nothing is called so, where no rule about it says how
-        fast to go, and where one is of level STOPPABLE. A rule whose names match nothing yet is
-        about everything.
+        It is 0 before a measurement, where nothing is called so, and where no rule about it says
+        how fast to go. A rule whose names match nothing yet is about everything. One of level
+        STOPPABLE scales to 0 while it is entered, and does not scale else.
         """
         watched, entered, limits = self._watched, self._entered, self._limits
         members = self._scene.geometries.named(pattern)
@@ -383,11 +388,14 @@ class RuleMonitor:
         latched = entered.awaits(limits)
         scales = self._speed.each(entered.is_entered, latched, self._reasons, limits)
         # The share of a stoppable rule is of the present speed, and says nothing of another one.
-        scales[np.array([rule.level == Level.STOPPABLE for rule in self.rules])] = 0.0
+        brakes = np.array([rule.level == Level.STOPPABLE for rule in self.rules])
+        stands = entered.is_entered | self._reasons.cannot_stop | (scales == 0.0)
+        scales[brakes] = np.where(stands, 0.0, 1.0)[brakes]
         scales[~about] = 1.0
         lowest = int(scales.argmin())
         why = '' if scales[lowest] == 1.0 else f'proximity rule {self.rules[lowest].name!r}'
-        return ScaleOfRobot(float(scales[lowest]), why)
+        stoppable = tuple(self.rules[n].name for n in np.flatnonzero(about & brakes).tolist())
+        return ScaleOfRobot(float(scales[lowest]), why, stoppable)
 
     def states(self) -> list[RuleState]:
         """Return the state of each rule, in the order of their addition."""

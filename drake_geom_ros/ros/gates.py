@@ -15,11 +15,11 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.gates import refuse_shared_topic
+from drake_geom_ros.live.gates import decide_gate, refuse_shared_topic
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.held_scene import HeldScene
-from drake_geom_ros.live.velocity_gate import PERIOD, Decision, VelocityGate
+from drake_geom_ros.live.velocity_gate import PERIOD, VelocityGate
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.surface import Surface, results, sensor_data
@@ -71,8 +71,7 @@ class Gates:
     def decide(self, scene: HeldScene) -> None:
         """Take what the rules of a scene allow now."""
         for gate in self._gates:
-            scale, why = scene.rules.scale_about(gate.gate.robot)
-            gate.passes.decide(Decision(scale, why), self._clocks.steady())
+            decide_gate(scene, gate.gate.robot, gate.passes, self._clocks.steady())
 
     def tell(self, status: Any) -> None:
         """Add to a status of diagnostics what each gate does."""

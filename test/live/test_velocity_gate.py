@@ -126,6 +126,32 @@ def test_a_closed_gate_stops_the_robot_and_one_that_is_opened_again_waits_for_a_
     assert robot.goes(0)
 
 
+def test_a_command_that_has_to_be_proved_passes_by_the_decision_about_it():
+    robot, other = Robot(), -COMMAND
+    robot.gate.decide(GO, now=0.0, proved=robot.gate.command())
+    robot.gate.take(COMMAND, now=0.01)
+    assert robot.heard == []
+    assert robot.gate.command().tolist() == COMMAND.tolist()
+    robot.gate.decide(HALF, now=0.02, proved=robot.gate.command())
+    assert robot.goes(0.5)
+    robot.gate.take(other, now=0.03)
+    assert robot.goes(0.5)
+    robot.gate.decide(GO, now=0.04, proved=robot.gate.command())
+    assert robot.goes(-1)
+    robot.gate.take(np.zeros(6), now=0.05)  # rest needs no proof
+    assert robot.goes(0)
+    robot.gate.decide(GO, now=0.06, proved=other)
+    assert robot.goes(0)
+    robot.gate.take(COMMAND, now=0.07)
+    robot.gate.decide(GO, now=0.08, proved=COMMAND)
+    robot.gate.decide(STOP, now=0.09, proved=COMMAND)
+    assert robot.goes(0)
+    robot.gate.decide(GO, now=0.10, proved=COMMAND)
+    assert robot.goes(1)
+    robot.gate.look(now=0.5)
+    assert robot.goes(0)
+
+
 @pytest.mark.parametrize('number', [math.nan, math.inf, -math.inf])
 def test_a_command_that_is_not_finite_stops_the_robot(number):
     robot = Robot()

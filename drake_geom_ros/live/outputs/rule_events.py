@@ -200,7 +200,7 @@ class RuleEvents:
         stops = scene.rules.stops
         if self._topics.speed_limit.get_subscription_count():
             limits = self._types.SpeedLimits()
-            scene.moment().stamp_header(limits)
+            scene.moment().stamp_poses(limits)
             fill_speed_limits(limits, stops)
             self._topics.speed_limit.publish(limits)
         if self._topics.stopping.get_subscription_count():

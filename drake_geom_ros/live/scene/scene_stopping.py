@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
 from drake_geom_ros.live.scene.scene_rules import SceneRules, Twists
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import Level, ProximityRule, RuleError
 from drake_geom_ros.stopping import (
     BrakingError,
@@ -41,12 +43,22 @@ class _Prepared(NamedTuple):
         return same and self.rules == other.rules and self.robots == other.robots
 
 
+class _Asked(NamedTuple):
+    """What a check was asked for."""
+
+    prepared: _Prepared
+    states: list[RobotState]
+    ages: Floats
+    delay: float
+
+
 class SceneStopping:
     """Answers of ``StoppingCheck`` about the live scene, prepared anew where the scene changes."""
 
     def __init__(self, model: SceneModel, poses: ScenePoses, rules: SceneRules) -> None:
         self._model, self._poses, self._rules = model, poses, rules
         self._prepared: _Prepared | None = None
+        self._asked: _Asked | None = None  # by the last decision
 
     def stops(
         self, twists: Twists | None, stale_after: float, delay: float
@@ -58,14 +70,37 @@ class SceneStopping:
         """
         rules = tuple(rule for rule in self._rules.rules if rule.level == Level.STOPPABLE)
         if not rules:
-            self._prepared = None
+            self._prepared = self._asked = None
             return None
         robots = tuple(self._model.joints.robots.values())
         prepared = self._prepared_for(rules, robots)
         states = self._states(robots, twists or {}, stale_after)
         ages = self._ages(prepared.check.ids, robots)
+        self._asked = _Asked(prepared, states, ages, delay)
         answers = prepared.check.stops(states, ages, delay)
         return {rule.name: stop for rule, stop in zip(rules, answers, strict=True)}
+
+    def commanded(self, robot: str, command: Floats) -> dict[str, Stop] | None:
+        """Return the answers of the last decision for a base that goes as it is commanded.
+
+        ``robot`` is the name or pattern of robots, ``command`` (6,) the linear [m/s] and angular
+        [rad/s] velocity that their root links are to have, in their own axes. None: no rule
+        of level STOPPABLE was decided about, or no robot is called so.
+        """
+        if self._asked is None:
+            return None
+        prepared, states, ages, delay = self._asked
+        names = [driven.name for driven in prepared.robots]
+        called = [fnmatchcase(name, robot) for name in names]
+        if not any(called):
+            return None
+        states = [
+            state._replace(V_PB=_in_parent(state, command)) if is_it else state
+            for state, is_it in zip(states, called, strict=True)
+        ]
+        answers = prepared.check.stops(states, ages, delay)
+        rules = [rule.name for rule in prepared.rules]
+        return dict(zip(rules, answers, strict=True))
 
     def refuse(self, rule: ProximityRule) -> None:
         """Raise RuleError for a rule whose braking names what is not in the scene."""
@@ -153,6 +188,12 @@ class SceneStopping:
         if self._model.is_mounted(robot.root):
             return None
         return np.asarray(twists.get(robot.root, np.full(6, math.nan)))
+
+
+def _in_parent(state: RobotState, command: Floats) -> Floats:
+    """Return V_PB (6,) of a root link that moves by a command in its own axes."""
+    R_PB = matrices_from_poses(np.asarray(state.X_PB)[np.newaxis])[0][0]
+    return np.concatenate((R_PB @ command[3:], R_PB @ command[:3]))
 
 
 def _question(

@@ -59,11 +59,15 @@ class SceneStamp:
 
     def stamp_header(self, message: Any) -> None:
         """Say in a message which poses and which scene it is about, and not how old they are."""
+        self.stamp_poses(message)
+        message.scene_version = self.version
+
+    def stamp_poses(self, message: Any) -> None:
+        """Say in a message that is about no version of a scene which poses it is about."""
         message.header.frame_id = self.world_frame
         # A message that is filled again may bear the stamp of an earlier scene.
         stamp = self.newest_stamp
         message.header.stamp = type(message.header.stamp)() if stamp is None else stamp
-        message.scene_version = self.version
 
     @property
     def oldest_pose_age(self) -> float:
