@@ -23,7 +23,13 @@ from drake_geom_ros.batch.distance_gradients import (
     NearPairs,
 )
 from drake_geom_ros.batch.evaluation import evaluate
-from drake_geom_ros.batch.joint_trajectories import check_trajectory
+from drake_geom_ros.batch.joint_trajectories import (
+    ClearanceBounds,
+    FastestGeometry,
+    cartesian_speed,
+    check_trajectory,
+    clearance_bounds,
+)
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker, check_path, check_paths
 from drake_geom_ros.batch.questions import WANTS, Question
@@ -41,6 +47,10 @@ __all__ = [
     'check_path',
     'check_paths',
     'check_trajectory',
+    'clearance_bounds',
+    'ClearanceBounds',
+    'cartesian_speed',
+    'FastestGeometry',
     'Joints',
     'ContactsOfStates',
     'LeastDistances',

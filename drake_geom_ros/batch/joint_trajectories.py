@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.common.times import time_between
-from drake_geom_ros.geometry import AccuracyLike, MotionCheck, SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry import (
+    AccuracyLike,
+    ArgumentError,
+    GeometryId,
+    MotionCheck,
+    SceneGraph,
+    SceneGraphContext,
+)
 from drake_geom_ros.math.array_types import Floats
-from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+from drake_geom_ros.math.tolerances import CLEARANCE_TOLERANCE, TIME_TOLERANCE
 from drake_geom_ros.trajectories.joint_spline import JointSpline, JointTrajectory
 
 
@@ -68,6 +76,78 @@ def check_trajectory(
         bound_tolerance=bound_tolerance,
     ) as checker:
         return in_seconds(checker.check_spline(spline), spline.times)
+
+
+class ClearanceBounds(NamedTuple):
+    """Certified bounds of the clearance of a trajectory, by intervals of its time."""
+
+    times: Floats  # (k + 1,) [s]
+    clearances: Floats  # (k,) [m] no pair is nearer within the interval; -inf: nothing is proved
+
+
+def clearance_bounds(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    trajectory: JointTrajectory | JointSpline,
+    intervals: int = 100,
+    tolerance: float = CLEARANCE_TOLERANCE,
+    **options: Any,
+) -> ClearanceBounds:
+    """Return bounds of the clearance of a trajectory in intervals of equal time.
+
+    Args:
+        scene_graph: The scene, or a context of it.
+        joints: The columns of the trajectory.
+        trajectory: As for ``check_trajectory``, or its spline.
+        intervals: How many, at least 1.
+        tolerance: Bounds are at most this [m] below the smallest distance that was computed,
+            unless rounding or ``max_evaluations`` ends the proof earlier.
+        options: ``max_evaluations`` of each interval, ``accuracy`` and ``ignore_start_contacts``
+            as of ``check_trajectory``. Limits of joints are not looked at.
+
+    Returns:
+        Times and bounds. An interval in which bodies touch has the bound -inf.
+
+    Raises:
+        ArgumentError: For less than one interval, and as ``check_trajectory``.
+    """
+    if intervals < 1:
+        raise ArgumentError(f'intervals={intervals} must be at least 1')
+    spline = trajectory if isinstance(trajectory, JointSpline) else JointSpline(trajectory)
+    times = np.linspace(spline.times[0], spline.times[-1], intervals + 1)
+    with PathChecker(
+        scene_graph, joints, 0.0, bound_tolerance=tolerance, ignore_limits=True, **options
+    ) as checker:
+        checks = checker.check_between(spline, times)
+    bounds = [check.lower_bound if check.outcome == 'clear' else -math.inf for check in checks]
+    return ClearanceBounds(times, np.array(bounds))
+
+
+class FastestGeometry(NamedTuple):
+    """The geometry with the largest bound of the speed of its points, and that bound."""
+
+    geometry: GeometryId
+    speed: float  # [m/s] certified: no point of any geometry is faster at any time
+
+
+def cartesian_speed(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    trajectory: JointTrajectory | JointSpline,
+) -> FastestGeometry:
+    """Return an upper bound of the speed of all points of all geometries along a trajectory.
+
+    The speed in the world counts, as ISO/TS 15066 has it. The bound adds up the largest speed of
+    each joint in a segment times the reach from its axis (Craig, Introduction to Robotics, 3rd
+    ed., equation 5.13), so it is no less than the truth, and larger where an arm is bent.
+
+    Raises ArgumentError as ``check_trajectory``.
+    """
+    spline = trajectory if isinstance(trajectory, JointSpline) else JointSpline(trajectory)
+    with PathChecker(scene_graph, joints, ignore_limits=True) as checker:
+        speeds, geometries = checker.speeds(spline)
+    fastest = int(np.argmax(speeds))
+    return FastestGeometry(geometries[fastest], float(speeds[fastest]))
 
 
 def in_seconds(check: MotionCheck, times: Floats) -> MotionCheck:

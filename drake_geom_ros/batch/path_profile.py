@@ -61,10 +61,8 @@ def profile_of_spline(
     inner = np.linspace(spline.times[0], spline.times[-1], max(pieces, 1) + 1)
     times = np.union1d(inner, spline.times)
     checker = PathChecker(scene_graph, joints, **options)
-    checks = [
-        checker.check_spline(spline.part(begin, end))
-        for begin, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True)
-    ]
+    checker.refuse_limits(spline)
+    checks = checker.check_between(spline, times)
     states = np.array([spline.value(time) for time in times.tolist()])
     return _profile(scene_graph, joints, times, checks, states)
 

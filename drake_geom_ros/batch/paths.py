@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,7 @@ from drake_geom_ros.geometry import (
     AccuracyLike,
     ArgumentError,
     GeometryError,
+    GeometryId,
     MotionCheck,
     SceneGraph,
     SceneGraphContext,
@@ -234,6 +236,31 @@ class PathChecker:
         self._refuse_another_scene()
         self.refuse_limits(spline)
         return _by_points(self._check(spline.path()))
+
+    def check_between(self, spline: JointSpline, times: Floats) -> list[MotionCheck]:
+        """Return the result for each part (k,) of a spline between times (k + 1,) [s] that grow.
+
+        Times of results count from the first point by parts of its path, and limits of joints are
+        not looked at. With ``ignore_start_contacts``, pairs not clear at the start of the spline
+        are left out of all.
+        """
+        self._refuse_another_scene()
+        fine = spline.split(times)
+        path, queries, question = fine.path(), self._queries(), self._question
+        rows = (EDGES * np.searchsorted(fine.times, times)).tolist()
+        skipped: Booleans | None = None
+        if question.ignore_start_contacts:
+            queries.follow(replace(question, bound_tolerance=math.inf), path, (0, 1))
+            skipped = queries.skipped()
+        answers = [queries.follow(question, path, part, skipped) for part in pairwise(rows)]
+        return [MotionCheck.of(each, self._prepared.ids) for each in answers]
+
+    def speeds(self, spline: JointSpline) -> tuple[Floats, list[GeometryId]]:
+        """Return upper bounds (n,) [m/s] of the speeds of all points of geometries, and these."""
+        bounds = self._queries().speeds(spline.path())
+        spans = np.repeat(np.diff(spline.times) / EDGES, EDGES)[:, np.newaxis]
+        fastest = (bounds / spans).max(axis=0, initial=0.0)
+        return fastest, [GeometryId(int(value)) for value in self._prepared.ids.tolist()]
 
     def check_spline_within(
         self, spline: JointSpline, seconds: float, must_stop: Callable[[], bool]

@@ -18,7 +18,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from numpy.typing import ArrayLike
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.time import Time
-from trajectory_msgs.msg import JointTrajectory
+from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from drake_geom_ros.client.contact_surfaces import ContactSurfaces
 from drake_geom_ros.client.left_out import LeftOut, refuse_stale
@@ -354,6 +354,9 @@ class SceneGraphClient:
         accuracy: str | float = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
+        multi_dof_path: MultiDOFJointTrajectory | None = None,
+        approach_time: float = 0.0,
+        clearance_intervals: int = 0,
         allow_stale: bool = False,
     ) -> Motion:
         """Return whether a whole motion is clear of ``min_distance`` [m], for all times.
@@ -368,6 +371,10 @@ class SceneGraphClient:
         spline is refused where the joints are farther than ``start_tolerance`` (0: 0.01) from its
         first row, and where it leaves their limits. With ``ignore_foreign_joints``, joints that no
         robot of the scene has are left out, and named in the result.
+
+        ``multi_dof_path`` has transforms of planar and floating joints at the times of ``path``.
+        An ``approach_time`` > 0 [s] puts the straight way from where the joints are now in front,
+        before time 0. ``clearance_intervals`` asks for bounds of the clearance over time.
 
         ``start`` and ``start_joints`` set the initial poses and joint values; all others are the
         live ones. A path whose first time is later than 0 begins there too. ``time_tolerance``
@@ -385,6 +392,10 @@ class SceneGraphClient:
             end=frame_poses(end or {}),
             start_joints=joint_positions(start_joints or {}),
             path=trajectory,
+            multi_dof_path=multi_dof_path or MultiDOFJointTrajectory(),
+            start_now=approach_time != 0.0,
+            approach_time=float(approach_time),
+            clearance_intervals=clearance_intervals,
             profile=profile,
             start_tolerance=float(start_tolerance),
             ignore_foreign_joints=ignore_foreign_joints,

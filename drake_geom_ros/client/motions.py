@@ -42,6 +42,10 @@ class Motion(NamedTuple):
     ignored: int  # pairs left out because they were not clear at the start
     fastest_joint: str  # of a path
     joint_speed: float  # [rad/s] or [m/s] certified: no joint of the path is faster
+    fastest_geometry: str  # of a path
+    cartesian_speed: float  # [m/s] certified: no point of any geometry is faster
+    clearance_times: Floats  # (k + 1,) [s] bounds of the intervals that were asked for
+    clearances: Floats  # (k,) [m] certified: no pair is nearer in an interval; -inf: not proved
     foreign_joints: tuple[str, ...]  # of a path: left out, since no robot of the scene has them
     scene_version: int
     oldest_pose_age: float  # [s] of the oldest frame pose used; inf: unknown
@@ -71,6 +75,10 @@ class Motion(NamedTuple):
             ignored=answer.ignored,
             fastest_joint=answer.fastest_joint,
             joint_speed=answer.joint_speed,
+            fastest_geometry=answer.fastest_geometry,
+            cartesian_speed=answer.cartesian_speed,
+            clearance_times=np.array(answer.clearance_times),
+            clearances=np.array(answer.clearances),
             foreign_joints=tuple(answer.foreign_joints),
             scene_version=answer.scene_version,
             oldest_pose_age=answer.oldest_pose_age,

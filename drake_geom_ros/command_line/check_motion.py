@@ -54,7 +54,9 @@ def add_to(commands: Any) -> None:
     parser.add_argument('--names', nargs='+', metavar='NAME', help='joints of the columns')
     _add_question(parser)
     parser.add_argument('--csv', metavar='FILE', help='what is proved, piece by piece')
-    parser.add_argument('--picture', metavar='FILE', help='distances and proved bounds over time')
+    parser.add_argument(
+        '--picture', '--plot', metavar='FILE', help='distances and proved bounds over time'
+    )
     parser.add_argument(
         '--pieces',
         type=count,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.batch import Joints, check_path, check_trajectory
+from drake_geom_ros.batch import Joints, cartesian_speed, check_path, check_trajectory
 from drake_geom_ros.batch.path_profile import (
     PathProfile,
     profile_of_path,
@@ -92,13 +92,16 @@ def of_trajectory(options: argparse.Namespace) -> CheckedMotion:
         scene_graph, joints, trajectory, max_evaluations=options.max_evaluations, **question
     )
     speeds = spline.speeds()
-    fastest = int(np.argmax(speeds))
+    fastest, body = int(np.argmax(speeds)), cartesian_speed(scene_graph, joints, spline)
     return CheckedMotion(
         check=check,
         outcome=check.outcome,
         profile=lambda: profile_of_spline(scene_graph, joints, spline, options.pieces, **question),
         name_of=loaded.name_of,
-        remarks=[f'fastest joint {joints.names[fastest]}, at most {speeds[fastest]:.6g} 1/s'],
+        remarks=[
+            f'fastest joint {joints.names[fastest]}, at most {speeds[fastest]:.6g} 1/s',
+            f'fastest body {loaded.name_of(body.geometry)}, at most {body.speed:.6g} m/s',
+        ],
         unit='s',
         files=list(files_of(scene_graph, loaded.robots.values())),
     )

@@ -46,6 +46,12 @@ WELDED_STAYS = 1e-6
 # Default of the longest time span [-] that contains a first contact.
 TIME_TOLERANCE = 1e-6
 
+# Largest distance [m] from a bound of the clearance in an interval to what was computed there.
+CLEARANCE_TOLERANCE = 1e-3
+
+# How far [m], or by which sine [-], a pose may be out of the plane of a planar joint.
+OUT_OF_PLANE = 1e-6
+
 # Rounding of the coefficients of a joint's quintic and of the sum of its terms [-], as a part of
 # all magnitudes that go into them: five coefficients with factors of up to 15, shifted once.
 SPLINE_ROUNDING = 256.0 * 2.0**-52

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
+from itertools import pairwise
 from math import comb
 from typing import NamedTuple
 
@@ -126,6 +127,48 @@ class JointSpline:
         cut.positions = np.concatenate((first.positions[:1], self.positions[edge + 1 :]))
         cut._powers = np.concatenate((first._powers, self._powers[edge + 1 :]))
         cut._sizes = np.concatenate((first._sizes, self._sizes[edge + 1 :]))
+        return cut
+
+    def begun_at(self, values: Floats, time: float) -> JointSpline:
+        """Return the spline with the straight way from values (n,) in front, from a time [s] on.
+
+        The time must be before the first point, else this raises ArgumentError.
+        """
+        if not time < self.times[0]:
+            raise ArgumentError(f'{time:g} s is not before the first point at {self.times[0]:g} s')
+        way = JointSpline(
+            JointTrajectory([time, self.times[0]], np.stack((values, self.positions[0])))
+        )
+        cut = copy(self)
+        cut.times = np.concatenate(([time], self.times))
+        cut.positions = np.concatenate((way.positions[:1], self.positions))
+        cut._powers = np.concatenate((way._powers, self._powers))
+        cut._sizes = np.concatenate((way._sizes, self._sizes))
+        return cut
+
+    def beside(self, other: JointSpline) -> JointSpline:
+        """Return the spline of the joints of both; raises ArgumentError for other times."""
+        if not np.array_equal(self.times, other.times):
+            raise ArgumentError('two splines side by side must have points at the same times')
+        cut = copy(self)
+        cut.positions = np.hstack((self.positions, other.positions))
+        cut._powers = np.concatenate((self._powers, other._powers), axis=2)
+        cut._sizes = np.hstack((self._sizes, other._sizes))
+        return cut
+
+    def split(self, times: Floats) -> JointSpline:
+        """Return the same spline with points at more times [s] between its own."""
+        wanted = np.union1d(self.times, times[(times > self.times[0]) & (times < self.times[-1])])
+        parts = [self.part(begin, end) for begin, end in pairwise(wanted.tolist())]
+        if not parts:
+            return self
+        cut = copy(self)
+        cut.times = wanted
+        cut.positions = np.concatenate(
+            [part.positions[:1] for part in parts] + [self.positions[-1:]]
+        )
+        cut._powers = np.concatenate([part._powers for part in parts])
+        cut._sizes = np.concatenate([part._sizes for part in parts])
         return cut
 
     def path(self) -> JointPath:

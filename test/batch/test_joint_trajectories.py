@@ -9,7 +9,15 @@ from batch.test_path_edges import FAR, cart, row
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_geom_ros.batch import Joints, PathChecker, check_path, check_trajectory, evaluate
+from drake_geom_ros.batch import (
+    Joints,
+    PathChecker,
+    cartesian_speed,
+    check_path,
+    check_trajectory,
+    clearance_bounds,
+    evaluate,
+)
 from drake_geom_ros.geometry import (
     ArgumentError,
     SceneGraph,
@@ -178,3 +186,74 @@ def test_what_a_time_allows_is_the_beginning_of_the_answer(cell, seed, seconds):
 def test_it_stops_when_it_must(cell):
     with pytest.raises(InterruptedError):
         within(cell, trajectory_of(cell, 3, 'cubic', 60, 0.02), must_stop=lambda: True)
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    kind=st.sampled_from(['straight', 'cubic', 'quintic']),
+    intervals=st.integers(1, 12),
+)
+def test_clearances_are_below_those_of_a_fine_scan_and_near_them(cell, seed, kind, intervals):
+    trajectory = trajectory_of(cell, seed, kind, 3, 0.1)
+    found = clearance_bounds(cell.scene_graph, cell.joints, trajectory, intervals)
+    assert len(found.times) == intervals + 1
+    spline = JointSpline(trajectory)
+    assert found.times[[0, -1]].tolist() == spline.times[[0, -1]].tolist()
+    for begin, end, bound in zip(found.times, found.times[1:], found.clearances, strict=False):
+        states = np.array([spline.value(time) for time in np.linspace(begin, end, SCAN)])
+        scan = evaluate(cell.scene_graph, states=states, joints=cell.joints, want='least')
+        least = (scan.distance + scan.error_bound).min()
+        if bound == -math.inf:
+            assert least < 1e-3
+        else:
+            assert 0.0 < bound <= least + 1e-12
+            assert bound >= least - 2e-3
+
+
+def test_intervals_must_be_some(cell):
+    trajectory = trajectory_of(cell, 1, 'cubic', 3, 0.1)
+    with pytest.raises(ArgumentError, match='intervals=0'):
+        clearance_bounds(cell.scene_graph, cell.joints, trajectory, 0)
+
+
+def points_of(cell, states):
+    """Return points of all geometries that states move (N, n, 3): where their frames are."""
+    return cell.joints.poses(states)[:, :, :3]
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6), kind=st.sampled_from(['straight', 'cubic', 'quintic']))
+def test_no_point_is_faster_than_the_cartesian_speed(cell, seed, kind):
+    trajectory = trajectory_of(cell, seed, kind, 4, 0.2)
+    bound = cartesian_speed(cell.scene_graph, cell.joints, trajectory)
+    spline = JointSpline(trajectory)
+    times = np.linspace(spline.times[0], spline.times[-1], 500)
+    points = points_of(cell, np.array([spline.value(time) for time in times]))
+    speeds = np.linalg.norm(np.diff(points, axis=0), axis=2) / np.diff(times)[:, None]
+    assert speeds.max() <= bound.speed * (1.0 + 1e-9)
+    assert bound.speed <= 20.0 * speeds.max()
+
+
+def test_the_speed_of_a_turning_ball_is_that_of_its_farthest_point(tmp_path):
+    (tmp_path / 'arm.urdf').write_text("""<robot name="arm"><link name="base"/>
+<link name="tip"><collision><origin xyz="0.7 0 0"/><geometry><sphere radius="0.1"/></geometry>
+</collision></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
+</joint></robot>""")
+    scene_graph = SceneGraph()
+    loaded = load_scene(
+        f"""
+sources: [cell]
+robots: [{{name: arm, urdf: {tmp_path}/arm.urdf, pose: {{}}}}]
+geometries:
+- {{name: ball, source: cell, shape: {{type: sphere, radius: 0.1}}, pose: {{position: [9, 0, 0]}}}}
+""",
+        scene_graph,
+    )
+    joints = Joints.of(loaded)
+    found = cartesian_speed(
+        scene_graph, joints, JointTrajectory([0.0, 2.0, 3.0], [[0.0], [3.0], [3.5]])
+    )
+    assert found.speed == pytest.approx(1.5 * 0.8, rel=1e-9)
+    assert loaded.name_of(found.geometry).startswith('arm::tip')

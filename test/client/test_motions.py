@@ -77,6 +77,27 @@ def test_paths_are_answered_as_offline(asked, check):
     assert outcomes >= {'clear', 'contact'}
 
 
+def test_a_path_has_speeds_clearances_and_a_way_in_front(asked):
+    way = {'joint_names': NAMES, 'path': [NOW, (0.9, 0.6, 0.1)], 'times': [0.0, 2.0]}
+    found = asked.check_motion(**way, clearance_intervals=4, allow_stale=True)
+    assert found.outcome == 'clear'
+    assert found.clearance_times.tolist() == [0.0, 0.5, 1.0, 1.5, 2.0]
+    assert (found.clearances > 0.0).all()
+    assert found.cartesian_speed > found.joint_speed * 1.0  # the hand is 1 m from the shoulder
+    assert found.fastest_geometry.startswith('arm::')
+    late = asked.check_motion(
+        joint_names=NAMES,
+        path=[(0.9, 0.6, 0.1), (0.8, 0.6, 0.1)],
+        times=[0.0, 1.0],
+        approach_time=1.5,
+        clearance_intervals=1,
+        allow_stale=True,
+    )
+    assert late.clearance_times.tolist() == [-1.5, 1.0]
+    with pytest.raises(RefusedError, match='approach_time is -1'):
+        asked.check_motion(**way, approach_time=-1.0)
+
+
 def test_a_budget_that_is_spent_is_unknown(asked, check):
     rng = np.random.default_rng(9)
     paths = (rng.uniform(*BOUNDS, size=(2, 3)) for _ in range(1000))

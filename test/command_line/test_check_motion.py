@@ -68,6 +68,7 @@ def test_a_trajectory_is_checked_along_its_spline(folder, capsys):
     out = capsys.readouterr().out
     assert 'outcome clear\ntimes 2.0 2.0\n' in out
     assert 'fastest joint rod::turn, at most 2.3' in out  # 1.5 times the mean
+    assert 'fastest body rod::' in out
     rows = list(csv.DictReader(table.open()))
     assert len(rows) == 20
     assert {row['outcome'] for row in rows} == {'clear'}
@@ -75,7 +76,7 @@ def test_a_trajectory_is_checked_along_its_spline(folder, capsys):
         assert 0.0 < float(row['lower_bound']) <= float(row['distance']) + 1e-9
     file.write_text(SWING.replace('END', '0.0'))
     picture = folder / 'swing.png'
-    asked = ['--trajectory', str(file), '--picture', str(picture), '--pieces', '30']
+    asked = ['--trajectory', str(file), '--plot', str(picture), '--pieces', '30']
     assert main(['check-motion', str(folder / 'scene.yaml'), *asked]) == 1
     assert 'outcome contact' in capsys.readouterr().out
     assert Image.open(picture).size == (960, 480)

@@ -151,3 +151,37 @@ def test_the_rest_is_the_spline_from_a_time_on(seed, kind, share):
         assert np.allclose(rest.value(time), spline.value(time), rtol=0, atol=1e-9)
     with pytest.raises(ArgumentError, match='nothing is left'):
         spline.rest(last)
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_a_spline_that_is_split_is_the_same(kind):
+    spline = JointSpline(trajectory_of(4, kind))
+    first, last = spline.times[[0, -1]]
+    split = spline.split(np.linspace(first - 1.0, last + 1.0, 17))
+    assert set(spline.times) < set(split.times)
+    assert split.times[[0, -1]].tolist() == [first, last]
+    for time in np.linspace(first, last, 33):
+        assert np.allclose(split.value(time), spline.value(time), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_a_way_in_front_is_straight(kind):
+    spline = JointSpline(trajectory_of(5, kind))
+    first, last = spline.times[[0, -1]]
+    begun = spline.begun_at(np.zeros(2), first - 2.0)
+    assert np.allclose(begun.value(first - 0.5), 0.75 * spline.positions[0], rtol=0, atol=1e-12)
+    for time in np.linspace(first, last, 9):
+        assert np.allclose(begun.value(time), spline.value(time), rtol=0, atol=1e-12)
+    with pytest.raises(ArgumentError, match='not before the first point'):
+        spline.begun_at(np.zeros(2), first)
+
+
+def test_splines_side_by_side_are_each_their_own():
+    one, other = JointSpline(trajectory_of(6, 'cubic')), JointSpline(trajectory_of(7, 'quintic'))
+    other.times = one.times
+    both = one.beside(other)
+    for time in np.linspace(one.times[0], one.times[-1], 9):
+        assert both.value(time).tolist() == [*one.value(time), *other.value(time)]
+    other.times = one.times + 1.0
+    with pytest.raises(ArgumentError, match='at the same times'):
+        one.beside(other)

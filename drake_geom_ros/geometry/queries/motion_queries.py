@@ -235,6 +235,10 @@ class MotionQueries:
         span = _span(question, start, end, at_joints(way.rows[0]), self._half_spaces.moves)
         return _with_half_spaces(answer, span, float(first))
 
+    def speeds(self, path: JointPath) -> Floats:
+        """Return upper bounds (e, n) of the speeds of geometries [m] an edge; with a chain."""
+        return self._loops.speeds(path)
+
     def skipped(self) -> Booleans:
         """Return the mask (n,) of pairs that the last answer left out, not clear at its start."""
         return self._loops.skipped.copy()

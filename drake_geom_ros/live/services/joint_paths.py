@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import seconds_of
@@ -32,12 +31,38 @@ class TimedPath(NamedTuple):
     times: Floats
     spline: JointSpline | None = None
 
+    def as_spline(self) -> JointSpline:
+        """Return the way as a spline, which is straight where it has no other one."""
+        return self.spline or JointSpline(JointTrajectory(self.times, self.rows))
+
+    def beside(self, other: TimedPath) -> TimedPath:
+        """Return the way of the joints of both; raises ArgumentError for other times."""
+        if not np.array_equal(self.times, other.times):
+            raise ArgumentError(
+                f'multi_dof_path has points at {_listed(other.times)} s, and path at '
+                f'{_listed(self.times)} s; they must have the same times'
+            )
+        rows = np.hstack((self.rows, other.rows))
+        if self.spline is None and other.spline is None:
+            return TimedPath(rows, self.times)
+        return TimedPath(rows, self.times, self.as_spline().beside(other.as_spline()))
+
+    def begun_at(self, values: Floats, time: float) -> TimedPath:
+        """Return the way with a straight one from values (q,) in front, from a time [s] on."""
+        spline = None if self.spline is None else self.spline.begun_at(values, time)
+        rows, times = np.vstack((values, self.rows)), np.concatenate(([time], self.times))
+        return TimedPath(rows, times, spline)
+
     def speeds(self) -> Floats:
         """Return an upper bound (q,) of the speed of each joint [rad/s] or [m/s]."""
         if self.spline is not None:
             return self.spline.speeds()
         steps = np.abs(np.diff(self.rows, axis=0)) / np.diff(self.times)[:, None]
         return np.asarray(steps.max(axis=0, initial=0.0))
+
+
+def _listed(times: Floats) -> str:
+    return some_of([f'{time:g}' for time in times.tolist()])
 
 
 def for_the_scene(
@@ -73,18 +98,18 @@ def _without_columns(trajectory: Any, is_known: Sequence[bool]) -> Any:
     for number, point in enumerate(trajectory.points):
         _check_lengths(number, point, len(is_known))
         points.append(
-            _Point(
+            PathPoint(
                 _chosen(point.positions, is_known),
                 _chosen(point.velocities, is_known),
                 _chosen(point.accelerations, is_known),
                 point.time_from_start,
             )
         )
-    return _Trajectory(names, points)
+    return PathOfJoints(names, points)
 
 
-class _Point(NamedTuple):
-    """A point of a trajectory with some of its joints."""
+class PathPoint(NamedTuple):
+    """A point of a path as a JointTrajectory has it."""
 
     positions: list[float]
     velocities: list[float]
@@ -92,11 +117,11 @@ class _Point(NamedTuple):
     time_from_start: Any
 
 
-class _Trajectory(NamedTuple):
-    """A trajectory with some of its joints."""
+class PathOfJoints(NamedTuple):
+    """A path as a JointTrajectory has it."""
 
     joint_names: list[str]
-    points: list[_Point]
+    points: list[PathPoint]
 
 
 def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
@@ -104,7 +129,7 @@ def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
 
 
 def timed_path(
-    trajectory: Any, joints: Joints, start: JointsNow, profile: str, start_time: float = 0.0
+    trajectory: Any, names: Sequence[str], start: JointsNow, profile: str, start_time: float = 0.0
 ) -> TimedPath:
     """Return the way of a JointTrajectory; raises ArgumentError for what it cannot be.
 
@@ -123,25 +148,25 @@ def timed_path(
             f'points have velocities, else {POINTS}'
         )
     for number, point in enumerate(points):
-        _check_lengths(number, point, joints.count)
-    rows = _rows_of(points, joints)
+        _check_lengths(number, point, len(names))
+    rows = _rows_of(points, names)
     times = np.array([seconds_of(point.time_from_start) for point in points])
     if profile == SPLINE or (not profile and _has_derivatives(points)):
-        return _spline_path(points, joints, rows, times, start, start_time)
+        return _spline_path(points, names, rows, times, start, start_time)
     if not times.any():
         if len(points) > 1:
             return TimedPath(rows, np.linspace(0.0, 1.0, len(points)))
         times = np.ones(1)
     _refuse_times(times)
     if times[0] > start_time:
-        _refuse_unknown(times[0], joints, start.now, start_time)
+        _refuse_unknown(times[0], names, start.now, start_time)
         rows, times = np.vstack((start.now, rows)), np.concatenate(([start_time], times))
     return TimedPath(rows, times)
 
 
 def _spline_path(
     points: Sequence[Any],
-    joints: Joints,
+    names: Sequence[str],
     rows: Floats,
     times: Floats,
     start: JointsNow,
@@ -154,13 +179,13 @@ def _spline_path(
             f'Give them, or profile {POINTS!r}, which goes straight from point to point'
         )
     _refuse_times(times)
-    velocities = _derivatives(points, 'velocities', joints)
-    accelerations = _derivatives(points, 'accelerations', joints)
+    velocities = _derivatives(points, 'velocities', names)
+    accelerations = _derivatives(points, 'accelerations', names)
     if times[0] > start_time:
-        _refuse_unknown(times[0], joints, start.now, start_time)
+        _refuse_unknown(times[0], names, start.now, start_time)
         rows, times = np.vstack((start.now, rows)), np.concatenate(([start_time], times))
         velocities = _begun_with(np.nan_to_num(start.speeds), velocities)
-        accelerations = _begun_with(np.zeros(joints.count), accelerations)
+        accelerations = _begun_with(np.zeros(len(names)), accelerations)
     spline = JointSpline(JointTrajectory(times, rows, velocities, accelerations))
     return TimedPath(rows, times, spline)
 
@@ -175,24 +200,24 @@ def _has_derivatives(points: Sequence[Any]) -> bool:
     return any(len(point.velocities) or len(point.accelerations) for point in points)
 
 
-def _rows_of(points: Sequence[Any], joints: Joints) -> Floats:
+def _rows_of(points: Sequence[Any], names: Sequence[str]) -> Floats:
     # Number by number: NumPy holds the interpreter's lock while it looks at 100 000 arrays.
     numbers = (number for point in points for number in point.positions)
-    rows = np.fromiter(numbers, np.float64, len(points) * joints.count)
-    rows = rows.reshape(len(points), joints.count)
+    rows = np.fromiter(numbers, np.float64, len(points) * len(names))
+    rows = rows.reshape(len(points), len(names))
     bad = np.argwhere(~np.isfinite(rows))
     if bad.size:
         number, column = bad[0].tolist()
         raise ArgumentError(
-            f'point {number} of path: {joints.names[column]} = {rows[number, column]}; positions '
+            f'point {number} of path: {names[column]} = {rows[number, column]}; positions '
             'must be finite'
         )
     return rows
 
 
-def _derivatives(points: Sequence[Any], name: str, joints: Joints) -> Floats:
+def _derivatives(points: Sequence[Any], name: str, names: Sequence[str]) -> Floats:
     """Return derivatives (k, q), NaN of points that have none; raises ArgumentError."""
-    rows = np.full((len(points), joints.count), np.nan)
+    rows = np.full((len(points), len(names)), np.nan)
     for number, point in enumerate(points):
         values = getattr(point, name)
         if not len(values):
@@ -221,9 +246,9 @@ def _refuse_times(times: Floats) -> None:
         )
 
 
-def _refuse_unknown(first: float, joints: Joints, start: Floats, time: float) -> None:
+def _refuse_unknown(first: float, names: Sequence[str], start: Floats, time: float) -> None:
     """Raise ArgumentError where nobody knows where a path begins."""
-    unknown = [name for name, q in zip(joints.names, start, strict=True) if np.isnan(q)]
+    unknown = [name for name, q in zip(names, start, strict=True) if np.isnan(q)]
     if unknown:
         raise ArgumentError(
             f'path begins at {first:g} s, and nobody knows where {", ".join(unknown)} '
@@ -231,13 +256,13 @@ def _refuse_unknown(first: float, joints: Joints, start: Floats, time: float) ->
         )
 
 
-def refuse_far_start(joints: Joints, path: TimedPath, now: Floats, tolerance: float) -> None:
+def refuse_far_start(names: Sequence[str], path: TimedPath, now: Floats, tolerance: float) -> None:
     """Raise ArgumentError where a joint is not where a path begins, within a tolerance."""
     far = np.abs(path.rows[0] - now)
     if (far > tolerance).any():
         column = int(np.nanargmax(far))
         raise ArgumentError(
-            f'path begins with {joints.names[column]} = {path.rows[0, column]:.6g}, and the joint '
+            f'path begins with {names[column]} = {path.rows[0, column]:.6g}, and the joint '
             f'is at {now[column]:.6g} now, which is {far[column]:.3g} away; at most '
             f'{tolerance:g} is allowed (start_tolerance). Give the first point a time_from_start '
             'later than 0 to begin where the joints are, or start_joints for another beginning'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_paths import for_the_scene, timed_path
 from drake_geom_ros.live.services.joint_views import JointsNow, view_of_joints
-from drake_geom_ros.trajectories import JointSpline, JointTrajectory
+from drake_geom_ros.trajectories import JointSpline
 
 DEVIATION_TOLERANCE = 0.05  # [rad] or [m]
 _FARTHEST_AHEAD = 60.0  # [s] a start that is later is the time of another clock
@@ -68,7 +69,7 @@ def watched_trajectory(live: LiveScene, request: Any, name: str) -> WatchedTraje
         )
     trajectory, foreign = for_the_scene(live, request.path, request.ignore_foreign_joints)
     _, joints, now = view_of_joints(live, None, list(trajectory.joint_names))
-    spline = _spline_of(trajectory, joints, now, request.profile, max(0.0, elapsed))
+    spline = _spline_of(trajectory, joints.names, now, request.profile, max(0.0, elapsed))
     if spline.times[-1] <= elapsed:
         raise ArgumentError(
             f'the last point of path was reached {elapsed - spline.times[-1]:.3f} s ago: nothing '
@@ -91,15 +92,14 @@ def watched_trajectory(live: LiveScene, request: Any, name: str) -> WatchedTraje
 
 
 def _spline_of(
-    trajectory: Any, joints: Any, now: JointsNow, profile: str, elapsed: float
+    trajectory: Any, joint_names: Sequence[str], now: JointsNow, profile: str, elapsed: float
 ) -> JointSpline:
     points = trajectory.points
     if len(points) and not any(seconds_of(point.time_from_start) for point in points):
         raise ArgumentError(
             'no point of path has a time_from_start > 0; a trajectory that runs has times'
         )
-    path = timed_path(trajectory, joints, now, profile, elapsed)
-    return path.spline or JointSpline(JointTrajectory(path.times, path.rows))
+    return timed_path(trajectory, joint_names, now, profile, elapsed).as_spline()
 
 
 def _refuse_numbers(request: Any) -> None:

@@ -92,6 +92,10 @@ def answer(live, **fields):
         'profile': '',
         'start_tolerance': 0.0,
         'ignore_foreign_joints': False,
+        'multi_dof_path': NO_PATH,
+        'start_now': False,
+        'approach_time': 0.0,
+        'clearance_intervals': 0,
     }
     response = Plain(
         times=[0.0, 0.0],

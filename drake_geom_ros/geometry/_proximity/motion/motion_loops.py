@@ -50,6 +50,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 )
 from drake_geom_ros.geometry._proximity.motion.edges import check_edges, row_of_pair
 from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, JointPath
+from drake_geom_ros.geometry._proximity.motion.speeds import speeds_of_geometries
 from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, offsets_of, tree_of
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.report import COUNTS
@@ -219,6 +220,10 @@ class MotionLoops:
         batch = PairBatch(np.zeros((1, 2), dtype=np.int64), np.zeros((1, BATCH_WIDTH)))
         row_of_pair(self._handle, path.rows, path.curves, edge, t, pair, batch.ids, batch.rows)
         return batch
+
+    def speeds(self, path: JointPath) -> Floats:
+        """Return upper bounds (e, n) of the speeds of geometries [m] an edge; with a chain."""
+        return speeds_of_geometries(self._arrays, path)
 
 
 def _arrays(

@@ -27,6 +27,7 @@ UNCOMPILED = frozenset(
         'kernels/solids/packing.py',
         'motion/joint_path.py',
         'motion/motion_loops.py',
+        'motion/speeds.py',
         'motion/tree.py',
         'pairs/budget.py',
         'pairs/budgeted.py',
