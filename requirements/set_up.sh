@@ -286,6 +286,7 @@ pip_add_wheels() {
 }
 
 install_test() { add_sets test; }
+install_docs() { add_sets docs; }
 install_lint() { add_sets lint; }
 install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap pynrrd casadi pandas; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }

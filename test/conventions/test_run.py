@@ -282,7 +282,18 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
 
 
 SETS = {
-    *('cluster', 'examples', 'lint', 'mutants', 'peers', 'recordings', 'test', 'view', 'vtk'),
+    *(
+        'cluster',
+        'docs',
+        'examples',
+        'lint',
+        'mutants',
+        'peers',
+        'recordings',
+        'test',
+        'view',
+        'vtk',
+    ),
     'wheels',
 }
 
@@ -364,7 +375,7 @@ def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fet
         ('.venv/bin/pytest -x', 'test'),
         ('python -m bench.costs.filters', 'test'),
         ('python docs/generate_reference.py', 'test'),
-        ('mkdocs build', 'test'),
+        ('mkdocs build', 'test docs'),
         ('ruff check', 'lint'),
         ('python -m mypy', 'lint'),
         ('python my_pytest.py', ''),

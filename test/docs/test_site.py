@@ -1,5 +1,6 @@
 """The documentation builds as a site: without warnings, with every page, with every link."""
 
+import os
 import re
 import subprocess
 import sys
@@ -7,7 +8,9 @@ import sys
 import pytest
 from conventions.source_tree import ROOT
 
-pytest.importorskip('mkdocs', reason="mkdocs is not installed: pip install -e '.[test]'")
+pytest.importorskip(
+    'material', reason='mkdocs-material is not installed: pip install mkdocs-material'
+)
 
 
 @pytest.fixture(scope='module')
@@ -17,6 +20,7 @@ def built(tmp_path_factory):
     done = subprocess.run(
         [sys.executable, '-m', 'mkdocs', 'build', '--strict', '--site-dir', str(folder)],
         cwd=ROOT,
+        env={**os.environ, 'NO_MKDOCS_2_WARNING': '1'},  # the theme's advertisement
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -55,6 +59,23 @@ def test_lists_and_tables_are_told_from_paragraphs(built):
         paragraphs = re.findall(r'<p>(.*?)</p>', page.read_text(), re.S)
         wrong = [text for text in paragraphs if re.search(r'^(- |\|)', text, re.M)]
         assert wrong == [], page
+
+
+@pytest.mark.processes
+def test_code_is_highlighted_and_nothing_comes_from_a_network(built):
+    page = (built[0] / 'tutorials/planner_in_python.html').read_text()
+    assert '<span class="kn">import</span>' in page
+    loaded = re.findall(r'<(?:script|img|iframe)[^>]+src="(https?:[^"]*)"', page)
+    loaded += re.findall(
+        r'<link[^>]+rel="(?:stylesheet|preconnect)"[^>]+href="(https?:[^"]*)"', page
+    )
+    assert loaded == []
+
+
+@pytest.mark.processes
+def test_the_title_of_a_file_is_shown(built):
+    page = (built[0] / 'tutorials/first_scene.html').read_text()
+    assert '<span class="filename">first_scene.yaml</span>' in page
 
 
 def test_the_index_lists_every_page():
