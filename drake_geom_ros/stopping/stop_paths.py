@@ -23,7 +23,7 @@ from drake_geom_ros.geometry.queries.motion_queries import JointPath
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import SPLINE_ROUNDING
 
-_BOXES = 16  # edges of a path of boxes: on each one the largest of its boxes counts
+_BOXES = 4  # edges of a path of boxes: on each one the largest of its boxes counts
 
 
 class StopProfile(NamedTuple):
@@ -47,8 +47,10 @@ class StopProfile(NamedTuple):
 
     def times_at(self, share: float) -> Floats:
         """Return the times (c,) to brake from a share."""
-        columns = (np.interp(share, self.shares, times) for times in self.times.T)
-        return np.fromiter(columns, np.float64, self.times.shape[1])
+        shares = self.shares
+        k = min(int(np.searchsorted(shares, share, 'right')), len(shares) - 1) - 1
+        part = (share - shares[k]) / (shares[k + 1] - shares[k])
+        return np.asarray(self.times[k] + part * (self.times[k + 1] - self.times[k]))
 
     def duration_at(self, share: float) -> float:
         """Return the time [s] from now until all columns stand."""
@@ -66,6 +68,12 @@ class StopPath(NamedTuple):
 
     path: JointPath
     reached: Floats
+
+    def edge(self, row: float) -> tuple[float, float]:
+        """Return what is reached at both ends of the edge with a row number."""
+        edge = min(int(row), len(self.reached) - 2)
+        begin, end = self.reached[edge : edge + 2].tolist()
+        return begin, end
 
     def at(self, row: float) -> float:
         """Return what is reached at a row number, rounded down."""
@@ -91,9 +99,20 @@ def path_over_shares(values: Floats, profile: StopProfile) -> StopPath:
     return StopPath(_path(edges, times), shares)
 
 
-def boxes_over_shares(values: Floats, profile: StopProfile) -> StopPath:
-    """Return the path of the boxes of all stops of each column by itself, over the share."""
-    shares = np.unique(np.concatenate((profile.shares, _even(profile.fastest))))
+def boxes_over_shares(
+    values: Floats,
+    profile: StopProfile,
+    span: tuple[float, float] | None = None,
+    parts: int = _BOXES,
+) -> StopPath:
+    """Return the path of the boxes of all stops of each column by itself, over the share.
+
+    It goes over a ``span`` of shares, in so many ``parts``; None: over all.
+    """
+    first, last = span or (0.0, profile.fastest)
+    inside = (profile.shares > first) & (profile.shares < last)
+    even = np.linspace(first, last, parts + 1)
+    shares = np.unique(np.concatenate((profile.shares[inside], even)))
     times = [profile.duration_at(share) for share in shares.tolist()]
     begun = profile.velocities * profile.ages
     edges = []
@@ -158,10 +177,6 @@ class _Edge(NamedTuple):
 
     def end(self) -> Floats:
         return np.asarray(self.start + self.first + self.second)
-
-
-def _even(fastest: float) -> Floats:
-    return np.linspace(0.0, fastest, _BOXES + 1)
 
 
 def _edge_of(

@@ -47,6 +47,7 @@ class JointMotions:
         self._accuracy = accuracy_in(context, accuracy)
         self._mark = _mark(context)
         self._chain, self._columns = chain, columns
+        self._leads_several = _leads_several(chain, columns)
         self._scene, self.ids = PackedScene.of(
             context, frame_ids, about_points=False, with_waiting=True
         )
@@ -58,6 +59,14 @@ class JointMotions:
     def is_of_now(self, context: SceneGraphContext) -> bool:
         """Return whether the scene of a context is still the same, but for poses."""
         return self._mark == _mark(context)
+
+    def relative(self, pairs: Indices) -> Flags:
+        """Return which columns (k, c) move the bodies of pairs (k, 2) relative to each other.
+
+        A column that moves both as one does not; one that leads several joints may.
+        """
+        a, b = self.moved_by[pairs[:, 0]], self.moved_by[pairs[:, 1]]
+        return np.asarray((a ^ b) | ((a | b) & self._leads_several))
 
     def queries(self, pairs: Indices) -> MotionQueries:
         """Return queries about the motion of some pairs (k, 2), by place."""
@@ -97,6 +106,17 @@ class JointMotions:
 def _mark(context: SceneGraphContext) -> tuple[object, ...]:
     state = state_of(context)
     return state.model.versions.any, state.filters.version, frozenset(state.filters.welded)
+
+
+def _leads_several(chain: JointChain, columns: int) -> Flags:
+    """Return the mask (c,) of the columns that lead several joints, other than in a row."""
+    leads = np.zeros(columns, dtype=np.bool_)
+    last = np.full(columns, -1, dtype=np.int64)  # the link below the last joint of each column
+    for j, leader in enumerate(chain.leaders.tolist()):
+        if leader >= 0 and chain.kinds[j]:
+            leads[leader] |= last[leader] not in (-1, chain.parents[j])
+            last[leader] = chain.children[j]
+    return leads
 
 
 def _columns_of_frames(scene: PackedScene, chain: JointChain, columns: int) -> Flags:

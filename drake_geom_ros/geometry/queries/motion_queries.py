@@ -60,6 +60,8 @@ class MotionQuestion:
     ignore_start_contacts: bool = False
     # [m] largest gap from the reported bound of a clear motion to the smallest computed distance
     bound_tolerance: float = math.inf
+    # Only prove: compute no more than that needs, and count what is not proved as contact.
+    quick: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.min_distance < math.inf:
@@ -171,13 +173,13 @@ class MotionQueries:
         """
         self._loops.approach(speeds, approached)
 
-    def ways(self, places: Indices, speeds: Floats) -> Floats:
-        """Return bounds (k,) of how fast points of geometries, by place, move for joint speeds.
+    def levers(self, places: Indices, sizes: Floats) -> Floats:
+        """Return bounds (b, c) [m] of how far points move for each column's unit of motion.
 
-        ``speeds`` (c,) are in [rad/s] or [m/s]; the bounds [m/s], in the world, hold for all
-        values of the last path.
+        In the world, for the bodies (b,) of geometries that move together, by ``places``, while
+        joint values are no larger than ``sizes`` (c,).
         """
-        return self._loops.ways(places, speeds)
+        return self._loops.levers(places, sizes)
 
     def examined(self) -> Booleans:
         """Return the mask (k,) of pairs that the last answer had to look at, beyond boxes."""
@@ -302,6 +304,7 @@ class MotionQueries:
             question.time_tolerance,
             question.max_evaluations,
             ignores=question.ignore_start_contacts,
+            quick=question.quick,
         )
 
     def _answer_of(self, row: MotionOutcome, path: JointPath, end: float) -> MotionAnswer:

@@ -64,7 +64,8 @@ ELAPSED, EDGE_BEGIN, EDGE_SPAN, MOST_APPROACH, MOST_APPROACHED = 4, 5, 6, 7, 8
 PARAMETER_COUNT = 9
 # Places of ``flags``.
 KIND, MOST, IGNORES, CURVED = 0, 1, 2, 3
-FLAG_COUNT = 4
+QUICK = 4  # no more is computed than a proof needs; a state without one counts as contact
+FLAG_COUNT = 5
 
 # Columns of ``records``, of a pair at one time: the normal of a plane, out of A towards B in the
 # axes of the pair's common node; the gap that the plane leaves; bounds of the distance; and the

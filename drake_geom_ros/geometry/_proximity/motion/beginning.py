@@ -53,6 +53,7 @@ from drake_geom_ros.geometry._proximity.motion.records import (
     is_proved,
     is_spent,
     put_answer,
+    put_answer_unless_far,
     put_plane,
 )
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import BoundedBodies, least_possible
@@ -237,7 +238,8 @@ def _left_at_end(handle: Handle, count: int) -> int:
         if is_spent(motion):
             motion.counts[PAIR] = k
             return -UNKNOWN
-        put_answer(handle, k, node, start + 1)
+        if not put_answer_unless_far(handle, k, node, start + 1):
+            continue
         motion.entries[left, OF_PAIR], motion.entries[left, AT_BEGIN] = k, start
         left += 1
     return left
@@ -261,7 +263,8 @@ def _left_between(handle: Handle, count: int) -> int:
         if is_spent(motion):
             motion.counts[PAIR] = k
             return -UNKNOWN
-        put_answer(handle, k, node, start)
+        if not put_answer_unless_far(handle, k, node, start):
+            continue
         if _at_start(motion, k, start) == CONTACT:
             return -CONTACT
         if motion.skipped[k]:

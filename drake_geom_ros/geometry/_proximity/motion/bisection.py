@@ -26,6 +26,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     NO_ROOM,
     OF_PAIR,
     PAIR,
+    QUICK,
     STOPPED,
     T0,
     T1,
@@ -78,6 +79,8 @@ def _given_up(motion: MotionArrays, first: int, last: int, width: float) -> int:
     is linear in the span.
     """
     coarse = min(motion.parameters[TIME_TOLERANCE], LEAST_SPAN) / 16.0
+    if motion.flags[QUICK]:
+        return motion.entries[first, OF_PAIR] if width <= motion.parameters[TIME_TOLERANCE] else -1
     for e in range(first, last):
         k, r = motion.entries[e, OF_PAIR], motion.entries[e, AT_BEGIN]
         parted = motion.records[r, GAP] > motion.bounds[k, LEAST]
@@ -202,6 +205,8 @@ def bisect(handle: Handle, count: int) -> int:
         if full or depth + 2 > motion.spans.shape[0]:
             return NO_ROOM
         motion.counts[PAIR] = _given_up(motion, first, last, end - begin)
+        if motion.counts[PAIR] >= 0 and motion.flags[QUICK]:
+            return UNKNOWN
         if motion.counts[PAIR] >= 0:
             return CONTACT if _touches_soon(handle, motion.counts[PAIR], begin, top) else UNKNOWN
         half = 0.5 * (end - begin)

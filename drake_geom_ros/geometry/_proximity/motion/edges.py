@@ -110,7 +110,7 @@ def row_of_pair(
     motion = motions_of(handle)
     _put_edge(motion, path, curves, edge)
     put_state(handle, t)
-    answer_pair(handle, k)
+    answer_pair(handle, k, math.inf)
     gather_rows(
         motion.slot,
         motion.one,

@@ -37,6 +37,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     OUTCOME_WIDTH,
     PAIR,
     PARAMETER_COUNT,
+    QUICK,
     RECORD_WIDTH,
     SEEN,
     SEEN_EDGE,
@@ -57,7 +58,12 @@ from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, moved_together
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE, ROUNDED_UP
-from drake_geom_ros.geometry._proximity.world.joint_poses import PRISMATIC, REVOLUTE, JointChain
+from drake_geom_ros.geometry._proximity.world.joint_poses import (
+    FIXED,
+    PRISMATIC,
+    REVOLUTE,
+    JointChain,
+)
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
 
@@ -109,6 +115,7 @@ class MotionLoops:
         world.update()
         groups = groups_of(moved_together(world, rows), pairs)
         self._world = world  # kept alive, since the handle refers to its arrays
+        self._still: Indices | None = None  # the frames that stay, once they were asked for
         self._arrays = _arrays(world, pairs, rows, paddings, groups, chain, columns)
         self._arrays = self._arrays._replace(stop=stop)
         self._arrays.parameters[LEVEL_GAP] = level_gap
@@ -119,7 +126,9 @@ class MotionLoops:
 
     def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
         """Pose the frames that stay, by R (nf, 3, 3) and p (nf, 3) of all."""
-        still = np.setdiff1d(np.arange(1, len(p_PFs)), self._arrays.rows)
+        if self._still is None:
+            self._still = np.setdiff1d(np.arange(1, len(p_PFs)), self._arrays.rows)
+        still = self._still
         self._world.set_poses(still, R_PFs[still], p_PFs[still])
         self._world.update()
         links = len(self._arrays.X_WLs)
@@ -143,25 +152,33 @@ class MotionLoops:
         most = speeds.max(initial=0.0), approached.max(initial=0.0)
         arrays.parameters[[MOST_APPROACH, MOST_APPROACHED]] = most
 
-    def ways(self, places: Indices, speeds: Floats) -> Floats:
-        """Return bounds of how fast any point of geometries moves in World, for joint ``speeds``.
+    def levers(self, places: Indices, sizes: Floats) -> Floats:
+        """Return bounds (b, c) [m] of how far points move for each column's unit of motion.
 
-        For the values of the last path that was followed, and geometries by their ``places``. In
-        [m/s] for speeds (c,) in [rad/s] or [m/s].
+        In World, for the nodes (b,) that carry some geometries, given by ``places``, while values
+        are no larger than ``sizes`` (c,).
         """
-        arrays, bounds = self._arrays, np.zeros(len(places))
-        leaders, kinds = arrays.leaders, arrays.kinds
-        rates = np.where(leaders >= 0, speeds[leaders] * np.abs(arrays.multipliers), 0.0)
-        turns, slides = np.zeros((2, len(arrays.parents)))
-        turns[1 + arrays.children] = np.where(kinds == REVOLUTE, rates, 0.0)
-        slides[1 + arrays.children] = np.where(kinds == PRISMATIC, rates, 0.0)
-        for k, place in enumerate(places.tolist()):
-            node, reach = int(arrays.on[place]), float(arrays.reaches[place])
+        arrays, offsets = self._arrays, self._arrays.nodes[:, OFFSET].copy()
+        led = arrays.leaders >= 0
+        lengths = np.linalg.norm(arrays.X_PJs[:, :3], axis=1)
+        rates = np.where(led, np.abs(arrays.multipliers), 0.0)
+        slides = np.abs(arrays.offsets) + rates * sizes[arrays.leaders]
+        nodes = 1 + arrays.children
+        offsets[nodes] = lengths + np.where(arrays.kinds == PRISMATIC, slides, 0.0)
+        on, reaches = arrays.on[places], arrays.reaches[places]
+        joints = {node: j for j, node in enumerate(nodes.tolist())}
+        bodies = np.unique(on)
+        levers = np.zeros((len(bodies), len(sizes)))
+        for row, body in enumerate(bodies.tolist()):
+            node, reach = body, float(reaches[on == body].max())
             while node:
-                bounds[k] += slides[node] + (turns[node] * reach if turns[node] else 0.0)
-                reach += arrays.nodes[node, OFFSET]
+                j = joints.get(node, -1)
+                if j >= 0 and arrays.kinds[j] != FIXED and led[j]:
+                    lever = reach if arrays.kinds[j] == REVOLUTE else 1.0
+                    levers[row, arrays.leaders[j]] += lever * abs(arrays.multipliers[j])
+                reach += offsets[node]
                 node = int(arrays.parents[node])
-        return bounds * ROUNDED_UP
+        return levers * ROUNDED_UP
 
     def ask(
         self,
@@ -170,11 +187,16 @@ class MotionLoops:
         max_evaluations: int,
         *,
         ignores: bool,
+        quick: bool = False,
     ) -> None:
-        """Set the parameters of the following checks."""
+        """Set the parameters of the following checks.
+
+        A ``quick`` one computes no more than its proof needs, halves no span below the tolerance,
+        and counts a state that it cannot prove clear as contact.
+        """
         longest = max(time_tolerance, LEAST_TIME_TOLERANCE)
         self._arrays.parameters[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, longest
-        self._arrays.flags[[MOST, IGNORES]] = max_evaluations, int(ignores)
+        self._arrays.flags[[MOST, IGNORES, QUICK]] = max_evaluations, int(ignores), int(quick)
 
     @property
     def examined(self) -> NDArray[np.bool_]:

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     LOWER_BOUND,
     MOST,
     PLANE,
+    QUICK,
     SAG,
     SEEN,
     SEEN_EDGE,
@@ -54,28 +55,33 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inli
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.states.loops import forget
+from drake_geom_ros.geometry._proximity.tolerances import ROUNDED_UP
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 
 
 @allocating
-def answer_pair(handle: Handle, k: int) -> None:
-    """Answer for pair k at the current poses, independent of earlier answers."""
+def answer_pair(handle: Handle, k: int, cutoff: float) -> bool:
+    """Answer for pair k at the current poses, independent of earlier answers.
+
+    Return whether it may be within the cutoff [m]; if not, there is no answer.
+    """
     motion = motions_of(handle)
     motion.one[0, 0], motion.one[0, 1] = motion.pairs[k, 0], motion.pairs[k, 1]
     forget(motion.memory, 0, 1)
-    answer_pairs(
+    hits = answer_pairs(
         motion.kernels,
         motion.one,
         motion.slot,
         motion.memory,
         motion.world,
         1,
-        (motion.parameters[LEVEL_GAP], math.inf, False),
+        (motion.parameters[LEVEL_GAP], cutoff, False),
         -1,
         (motion.waiting, motion.distances),
         motion.hits,
         motion.effects,
     )
+    return bool(hits > 0)
 
 
 @inlined
@@ -104,8 +110,33 @@ def put_plane(
 @inlined
 def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
     """Answer for pair k at the current poses, and write its record."""
+    answer_pair(handle, k, math.inf)
+    put_record(handle, k, node, r)
+
+
+@inlined
+def put_answer_unless_far(handle: Handle, k: int, node: int, r: int) -> bool:
+    """Answer for pair k at an end of the edge, and write its record; return False if it is far.
+
+    Then its distance here proves it clear on the whole edge. Only a ``QUICK`` check asks.
+    """
     motion = motions_of(handle)
-    answer_pair(handle, k)
+    cutoff = math.inf
+    if motion.flags[QUICK]:
+        bound = motion.bounds[k, WAY] + motion.bounds[k, SLACK] + motion.bounds[k, CLOSING]
+        cutoff = (motion.bounds[k, LEAST] + bound) * ROUNDED_UP
+    if not answer_pair(handle, k, cutoff):
+        motion.counts[EVALUATIONS] += 1
+        is_proved(motion, k, cutoff - bound)
+        return False
+    put_record(handle, k, node, r)
+    return True
+
+
+@inlined
+def put_record(handle: Handle, k: int, node: int, r: int) -> None:
+    """Write the record of the answer for pair k at the current poses."""
+    motion = motions_of(handle)
     motion.counts[EVALUATIONS] += 1
     out, slack = row(motion.memory, 0), motion.bounds[k, SLACK]
     gap = put_plane(
@@ -114,6 +145,8 @@ def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
     closed = motion.bounds[k, CLOSING] * motion.parameters[ELAPSED]
     motion.records[r, LOWER] = max(gap, out[DISTANCE] - out[ERROR_BOUND] - slack - closed)
     motion.records[r, UPPER] = out[DISTANCE] + out[ERROR_BOUND] + slack - closed
+    if motion.flags[QUICK]:  # what is not proved here is as bad as contact
+        motion.records[r, UPPER] = motion.records[r, LOWER]
     motion.records[r, ANSWER] = out[DISTANCE] - motion.paddings[k]
 
 
