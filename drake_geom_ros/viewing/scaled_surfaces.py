@@ -141,7 +141,7 @@ def _cube() -> DrawnSurface:
     return DrawnSurface('cube', corners, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
 
 
-_CUBE = _cube()
+CUBE = _cube()
 _UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 
@@ -161,7 +161,7 @@ def parts_of(shape: Shape, solid: bool = False, around: int = FINEST) -> list[Pa
     if isinstance(shape, Ellipsoid):
         return [Part(_ball(around), (shape.a(), shape.b(), shape.c()))]
     if isinstance(shape, Box):
-        return [Part(_CUBE, (shape.width(), shape.depth(), shape.height()))]
+        return [Part(CUBE, (shape.width(), shape.depth(), shape.height()))]
     if isinstance(shape, Cylinder):
         r = shape.radius()
         return [Part(_cylinder(around), (r, r, shape.length()))]
@@ -173,7 +173,7 @@ def parts_of(shape: Shape, solid: bool = False, around: int = FINEST) -> list[Pa
         return [Part(_cone(around), (shape.a(), shape.b(), shape.height()))]
     if isinstance(shape, HalfSpace):
         size = (PLANE_SIZE, PLANE_SIZE, _PLANE_THICKNESS)
-        return [Part(_CUBE, size, _at(-_PLANE_THICKNESS / 2))]
+        return [Part(CUBE, size, _at(-_PLANE_THICKNESS / 2))]
     if isinstance(shape, (OccupiedCells, PointCloud)):
         vertices, triangles = shape.surface()
     else:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.viewing.cell_layers import CellLayer
 from drake_geom_ros.viewing.looks import Look
 from drake_geom_ros.viewing.patches import Patches
 from drake_geom_ros.viewing.rules import ShownRule
@@ -62,6 +63,7 @@ class ShownMoment:
     rules: Sequence[ShownRule] = field(default=())
     # Contact surfaces if requested; the remarks report contacts that they do not show.
     patches: Patches = field(default_factory=Patches.none)
+    cells: Sequence[CellLayer] = field(default=())
 
 
 class ShownScene(Protocol):

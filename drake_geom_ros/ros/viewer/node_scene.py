@@ -11,6 +11,7 @@ from drake_geom_msgs import msg
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
+from visualization_msgs.msg import Marker, MarkerArray
 
 from drake_geom_ros.client import Services
 from drake_geom_ros.client.listening import LATCHED
@@ -18,14 +19,17 @@ from drake_geom_ros.client.scene_table import carriers_of
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.geometry_names import GeometryNames
 from drake_geom_ros.geometry import CandidatePairs, GeometryError, GeometryId, Role
+from drake_geom_ros.live.conversions.fields import pose_from_message
 from drake_geom_ros.live.conversions.file_access import FileAccess
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.conversions.proximity_rules import rules_from_message
 from drake_geom_ros.live.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.live.conversions.shapes import shape_from_message
+from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs, Why
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
+from drake_geom_ros.viewing.cell_layers import CELL_LAYERS, CellLayer
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
 from drake_geom_ros.viewing.shown_contacts import ShownContacts
@@ -36,6 +40,7 @@ _ANSWER_PATIENCE = 2.0  # [s] for who waits at the page
 _ASK_PERIOD = 0.2  # [s] between two questions beyond what the node publishes
 _LATE = 2.0  # [s] without poses, after which it is said
 _NEWEST = QoSProfile(depth=1)
+_MARKERS = QoSProfile(depth=10)  # none is to be lost: only layers that changed are sent
 # Shapes name files, and this process reads them with the rights of who started it.
 _ANY_FILE = ['package://', '/']
 
@@ -58,6 +63,8 @@ class NodeScene:
         self._names: dict[int, str] = {}
         self._looks: list[Look] = []
         self._geometries = ShownGeometries(np.zeros(0, np.int64), [], {})
+        self._cells: dict[str, CellLayer] = {}  # by namespace of ~/markers
+        self._maps = ''  # in words, how many sensed maps there are
         self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
         self._heard = 0.0  # [s] of the steady clock, when poses came
         self._bodies: dict[int, GeometryNames] = {}  # with the proximity role, by id value
@@ -72,6 +79,7 @@ class NodeScene:
             (msg.GeometryPoses, 'geometry_poses', self._take_poses, _NEWEST),
             (msg.SignedDistancePairs, 'signed_distances', self._take_results, _NEWEST),
             (msg.ProximityStates, 'proximity_states', self._take_rules, LATCHED),
+            (MarkerArray, 'markers', self._take_markers, _MARKERS),
         ):
             node.create_subscription(kind, f'{server}/{topic}', take, profile)
 
@@ -112,6 +120,7 @@ class NodeScene:
                 remarks=remarks,
                 rules=rules,
                 patches=shown.patches,
+                cells=list(self._cells.values()),
             )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
@@ -129,6 +138,8 @@ class NodeScene:
         said = [f'poses of {self._server} {age:.1f} s old']
         if age > _LATE:
             said.append('nothing comes: the node may be down; what is seen is of before')
+        if self._maps and not self._cells:
+            said.append(f'{self._maps}: no markers came; set publish_markers of the node to true')
         return said + self._troubles
 
     def _left_out(self, results: Any) -> list[str]:
@@ -152,7 +163,7 @@ class NodeScene:
         frames = {frame.id: frame.name for frame in message.frames}
         files = FileAccess(_ANY_FILE)
         names, looks, troubles = {}, [], []
-        world, bodies = message.frames[0].id, {}
+        world, bodies, maps = message.frames[0].id, {}, 0
         for entry in message.geometries:
             frame = frames[entry.frame_id]
             name = f'{sources[entry.source_id]}::{frame}/{entry.name}'
@@ -162,6 +173,9 @@ class NodeScene:
                     *(sources[entry.source_id], frame, entry.name, entry.frame_id == world),
                     carriers=carriers_of(entry.frame_id, entries, sources),
                 )
+            if sources[entry.source_id] == MAPS:
+                maps += 1
+                continue  # its cells come by ~/markers, and this message has those of before
             try:
                 shape = shape_from_message(entry.shape, files)
             except RuntimeError as error:
@@ -178,6 +192,7 @@ class NodeScene:
         with self._lock:
             self._names, self._looks, self._troubles = names, looks, troubles
             self._known = message.names_version
+            self._maps = f'{counted(maps, "sensed map")} not shown' if maps else ''
             self._geometries = ShownGeometries(np.zeros(0, np.int64), [], names)
             self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
             self._results = self._answer = self._asked = None
@@ -200,6 +215,20 @@ class NodeScene:
     def _take_results(self, message: msg.SignedDistancePairs) -> None:
         with self._lock:
             self._results = message
+            self._changes += 1
+
+    def _take_markers(self, message: MarkerArray) -> None:
+        """Take the layers of sensed maps, the only ones of these markers that no topic has."""
+        with self._lock:
+            for marker in message.markers:
+                if marker.action == Marker.DELETEALL:
+                    self._cells.clear()
+                kind, separator, source = marker.ns.partition('::')
+                if not separator or kind not in CELL_LAYERS:
+                    continue
+                self._cells.pop(marker.ns, None)
+                if marker.action == Marker.ADD and marker.points:
+                    self._cells[marker.ns] = _layer(kind, source, marker)
             self._changes += 1
 
     def _changed(self) -> None:
@@ -290,6 +319,21 @@ class NodeScene:
         if answer is None or not answer.success:
             raise SilentNodeError(f'{name}: {getattr(answer, "message", "no answer")}')
         return answer
+
+
+def _layer(kind: str, source: str, marker: Marker) -> CellLayer:
+    """Return the layer of a marker of cubes."""
+    X_WM = pose_from_message(marker.pose)
+    p_MCs = np.array([(p.x, p.y, p.z) for p in marker.points])
+    colour = marker.color
+    return CellLayer(
+        source,
+        kind,
+        X_WM.multiply(p_MCs.T).T,
+        X_WM.rotation().ToQuaternionAsVector(),
+        marker.scale.x,
+        (colour.r, colour.g, colour.b, colour.a),
+    )
 
 
 def _why(number: int, awaits_acknowledgement: bool) -> str:

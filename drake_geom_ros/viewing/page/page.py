@@ -19,6 +19,7 @@ from drake_geom_ros.viewing.page.filter_panel import FilterPanel
 from drake_geom_ros.viewing.page.motion_panel import MotionPanel
 from drake_geom_ros.viewing.page.picture import MOST_NAMES, Picture
 from drake_geom_ros.viewing.page.rules_panel import RulesPanel
+from drake_geom_ros.viewing.page.sensors_panel import SensorsPanel
 from drake_geom_ros.viewing.page.serving import Served
 from drake_geom_ros.viewing.shown_scene import ShownMoment, ShownScene
 from drake_geom_ros.viewing.timeline import Timeline
@@ -80,6 +81,7 @@ class Page:
             *(server.gui, self.touch, self.select, max_distance, accuracy), contacts=contacts
         )
         self.rules = RulesPanel(server.gui)
+        self.sensors = SensorsPanel(server.gui, self.touch)
         self.filters = FilterPanel(server.gui, scene, local)
         self.motion = None
         if local is not None:
@@ -167,6 +169,7 @@ class Page:
         )
         with self._server.atomic():
             self.picture.show(moment, self.answer.display_options(), self.selected)
+            self.picture.show_cells(self.sensors.chosen(moment.cells))
         if moment.geometries is not before:
             self._aim(moment)
             self.filters.begin(moment.geometries)
@@ -198,6 +201,7 @@ class Page:
     def _show_words(self, moment: ShownMoment) -> None:
         self.answer.show(moment, self.selected)
         self.rules.show(moment.rules)
+        self.sensors.show(moment.cells)
         if self.motion is not None:
             self.motion.show()
         lines = [*moment.remarks, *self._remarks(moment)]

@@ -6,7 +6,7 @@ Names of the scene are only used as texts of labels; nodes are named by numbers.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -16,9 +16,11 @@ import numpy as np
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import quaternions_from_rotations
 from drake_geom_ros.viewing.batches import SurfaceBatch, batches_of
-from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
+from drake_geom_ros.viewing.cell_layers import CellLayer
+from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS, Colour
 from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
+from drake_geom_ros.viewing.scaled_surfaces import CUBE
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs, in_words
 from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 
@@ -36,7 +38,11 @@ _AXIS_LENGTH, _AXIS_RADIUS = 0.08, 0.002  # [m]
 
 def _bytes(name: str) -> tuple[int, ...]:
     """Return a colour of pairs as integers from 0 to 255."""
-    return tuple(round(255.0 * part) for part in PAIR_COLOURS[name][:3])
+    return _bytes_of(PAIR_COLOURS[name])
+
+
+def _bytes_of(colour: Colour) -> tuple[int, ...]:
+    return tuple(round(255.0 * part) for part in colour[:3])
 
 
 _CONTACT, _SELECTED = _bytes('contacts'), (160, 0, 255)
@@ -99,6 +105,8 @@ class Picture:
         self._depths = [_Label(scene, f'/pairs/depths/{k}') for k in range(_DEPTHS)]
         self._selected_label = _Label(scene, '/pairs/selected_label')
         self._axes: Any = None
+        self._cells: dict[tuple[str, str], tuple[CellLayer, Any]] = {}
+        self._numbers: dict[tuple[str, str], int] = {}  # in the names of their nodes
 
     def show(
         self, moment: ShownMoment, options: DisplayOptions, selected: tuple[int, int] | None
@@ -119,6 +127,35 @@ class Picture:
         self._show_selected(moment.pairs, options, selected)
         self._show_names(moment, options)
         self._show_frames(moment, options)
+
+    def show_cells(self, layers: Sequence[CellLayer]) -> None:
+        """Draw layers of sensed maps instead of those before; unchanged ones are not sent."""
+        wanted = {layer.key: layer for layer in layers if len(layer.centres)}
+        for key in [
+            key for key, (layer, _) in self._cells.items() if wanted.get(key) is not layer
+        ]:
+            self._cells.pop(key)[1].remove()
+        for key, layer in wanted.items():
+            self._numbers.setdefault(key, len(self._numbers))
+            if key not in self._cells:
+                self._cells[key] = layer, self._cubes(layer)
+
+    def _cubes(self, layer: CellLayer) -> Any:
+        count, alpha = len(layer.centres), layer.colour[3]
+        return self._scene.add_batched_meshes_simple(
+            f'/cells/{self._numbers[layer.key]}',
+            vertices=CUBE.vertices,
+            faces=CUBE.triangles,
+            batched_wxyzs=np.tile(layer.wxyz, (count, 1)),
+            batched_positions=layer.centres,
+            batched_scales=np.full(count, layer.edge),
+            batched_colors=np.tile(_bytes_of(layer.colour), (count, 1)),
+            opacity=None if alpha >= 1.0 else alpha,
+            flat_shading=True,
+            lod='off',
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
     def _begin(self, geometries: ShownGeometries) -> None:
         """Draw other geometries from now on."""

@@ -5,7 +5,11 @@ import threading
 import numpy as np
 import pytest
 from drake_geom_msgs.msg import FramePoses, GeometryPoses
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from ros.harness import SENSOR, start_node
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
 from viewing.scenes import PRESSING, local_scene
 
 from drake_geom_ros.geometry import GeometryError, Role
@@ -195,5 +199,45 @@ def test_contact_surfaces_are_asked_for_while_they_are_wished_for(tmp_path, lone
         np.testing.assert_array_equal(moment.patches.triangles, expected.patches.triangles)
         assert set(expected.remarks) <= set(moment.remarks)
         assert len(shown.moment(0.1, 'exact').patches) == 0
+    finally:
+        node.end()
+
+
+def test_layers_of_sensed_maps_are_those_of_the_markers(lone_client, shown, tmp_path):
+    path = tmp_path / 'scene.yaml'
+    path.write_text(
+        f'{SCENE}obstacle_sources:\n'
+        '  front: {type: laser_scan, topic: /front/scan, frame: world, resolution: 0.1}\n'
+    )
+    node = start_node(tmp_path / 'log', scene_file=path)
+    try:
+        scans = lone_client.node.create_publisher(LaserScan, '/front/scan', 10)
+
+        def layer():
+            stamp = lone_client.node.get_clock().now().to_msg()
+            scans.publish(
+                LaserScan(
+                    header=Header(stamp=stamp), range_min=0.1, range_max=10.0,
+                    angle_increment=0.5, ranges=[1.02, 2.04],
+                )
+            )  # fmt: skip
+            layers = {layer.key: layer for layer in shown.moment(0.1, 'exact').cells}
+            return layers.get(('front', 'obstacles'))
+
+        lone_client.wait_for(
+            lambda: any(
+                'set publish_markers' in each for each in shown.moment(0.1, 'exact').remarks
+            ),
+            'the remark that markers are needed',
+        )
+        true = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
+        chosen = [Parameter(name='publish_markers', value=true)]
+        lone_client.call(SetParameters, 'set_parameters', parameters=chosen)
+        cells = lone_client.wait_for(layer, 'the cells of the scan')
+        centres = sorted(np.round(cells.centres, 6).tolist())
+        assert centres == [[1.05, 0.05, 0.05], [1.75, 0.95, 0.05]]
+        assert cells.edge == pytest.approx(0.1)
+        looks = shown.moment(0.1, 'exact').geometries.looks
+        assert not any(look.name.startswith('obstacles::') for look in looks)
     finally:
         node.end()

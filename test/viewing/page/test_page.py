@@ -3,6 +3,7 @@
 import io
 import re
 import threading
+from dataclasses import replace
 from urllib.parse import unquote
 
 import numpy as np
@@ -14,11 +15,14 @@ from viewing.test_batches import looks_of_shapes
 
 from drake_geom_ros.geometry import Box, FramePoseVector, GeometryError
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.viewing.cell_layers import CellLayer
 from drake_geom_ros.viewing.page import serving
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 from drake_geom_ros.viewing.timeline import Timeline
+
+GREEN = (0.0, 0.6, 0.4, 0.9)
 
 
 @pytest.fixture
@@ -317,3 +321,39 @@ def test_without_viser_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(__import__('sys').modules, 'viser', None)
     with pytest.raises(GeometryError, match="extra 'view'"):
         serving.open_server()
+
+
+class Sensed(Crowd):
+    """A crowd with maps of two sensors."""
+
+    def __init__(self, count=1):
+        super().__init__(count)
+        self.layers = [
+            CellLayer('front', 'obstacles', np.eye(3), np.array([1.0, 0, 0, 0]), 0.1, GREEN),
+            CellLayer('front', 'shadow', np.ones((1, 3)), np.array([1.0, 0, 0, 0]), 0.1, GREEN),
+            CellLayer('rear', 'obstacles', -np.eye(3), np.array([1.0, 0, 0, 0]), 0.2, GREEN),
+        ]
+
+    def moment(self, *arguments, **options):
+        return replace(super().moment(*arguments, **options), cells=self.layers)
+
+
+def test_layers_of_maps_are_drawn_and_chosen_by_kind_and_source():
+    scene = Sensed()
+    with page_of(scene) as (page, _):
+        drawn = page.picture._cells
+        every = {('front', 'obstacles'), ('front', 'shadow'), ('rear', 'obstacles')}
+        wait_for(lambda: set(drawn) == every, 'all layers')
+        rear = drawn['rear', 'obstacles'][1]
+        np.testing.assert_array_equal(rear.batched_positions, -np.eye(3, dtype=np.float32))
+        wait_for(lambda: set(page.sensors.sources) == {'front', 'rear'}, 'a box for each source')
+        assert 'front: 3 cells' in page.sensors.lines.content
+        assert 'front: 1 hidden by bodies' in page.sensors.lines.content
+        page.sensors.sources['front'].value = False
+        wait_for(lambda: set(drawn) == {('rear', 'obstacles')}, 'those of the rear one')
+        assert drawn['rear', 'obstacles'][1] is rear, 'what did not change is not sent again'
+        page.sensors.kinds['obstacles'].value = False
+        wait_for(lambda: not drawn, 'nothing')
+        scene.layers = []
+        scene.changes += 1
+        wait_for(lambda: not page.sensors.sources, 'no box without a source')
