@@ -1,4 +1,4 @@
-"""Writes docs/python_api.md from the docstrings: python docs/generate_python_api.py."""
+"""Writes docs/python_api.md and docs/api from docstrings: python docs/generate_python_api.py."""
 
 from __future__ import annotations
 
@@ -13,34 +13,40 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-TARGET = Path(__file__).resolve().parent / 'python_api.md'
+FOLDER = Path(__file__).resolve().parent
+INDEX = 'python_api.md'
 MODULES = (
     *('geometry', 'geometry.render', 'sensors', 'math', 'autodiffutils'),
     *('scene_files', 'trajectories', 'batch', 'optimization'),
     *('proximity_rules', 'stopping', 'recordings'),
     *('client', 'common'),
-    *('common.value', 'common.eigen_geometry'),
+    *('common.value', 'common.eigen_geometry', 'viewing.notebook'),
 )
 _SECTIONS = ('Args:', 'Returns:', 'Raises:', 'Yields:')
 _INTRODUCTION = """# The Python API
 
 Generated from the docstrings by `python docs/generate_python_api.py`; a test keeps it up to date.
-`geometry` answers queries, `math` has poses and rotations, `scene_files` loads robots and scenes,
-`trajectories` has forward kinematics, `batch` asks about many states, `optimization` has
-constraints for solvers, `proximity_rules` decides by distances, `stopping` proves that robots
-can still stop, `recordings` judges what ROS recorded, `client` talks to a running node and is the
-only module here that needs ROS. Names are those of pydrake, whose documentation describes them in
-detail; [differences_from_pydrake.md](differences_from_pydrake.md) lists what differs. Lengths are
-in metres, angles in radians. A call that is refused raises a RuntimeError and changes nothing.
+Names are those of pydrake where it has them;
+[differences from pydrake](differences_from_pydrake.md) lists what differs. Lengths are in metres,
+angles in radians. A call that is refused raises a RuntimeError and changes nothing. Only `client`
+needs ROS.
 
 """
 
 
-def api() -> str:
-    """Return the text of the page."""
-    modules = [importlib.import_module(f'drake_geom_ros.{name}') for name in MODULES]
-    contents = [f'- [{m.__name__}](#{_anchor(m.__name__)})' for m in modules]
-    return '\n'.join([_INTRODUCTION + '\n'.join(contents) + '\n', *map(_module, modules)])
+def pages() -> dict[str, str]:
+    """Return the texts of the pages by their paths below docs: an index, and one a module."""
+    modules = {name: importlib.import_module(f'drake_geom_ros.{name}') for name in MODULES}
+    rows = [
+        f'| [{module.__name__}]({_path(name)}) | {_text(module, 1)} |\n'
+        for name, module in modules.items()
+    ]
+    index = f'{_INTRODUCTION}| module | content |\n| --- | --- |\n{"".join(rows)}'
+    return {INDEX: index, **{_path(name): _module(module) for name, module in modules.items()}}
+
+
+def _path(name: str) -> str:
+    return f'api/{name}.md'
 
 
 def public(module: ModuleType) -> dict[str, Any]:
@@ -107,7 +113,7 @@ def _comment(lines: list[str], first: int, last: int | None) -> str:
 
 
 def _module(module: ModuleType) -> str:
-    parts = [f'## {module.__name__}\n\n{_text(module)}\n']
+    parts = [f'# {module.__name__}\n\n{_text(module)}\n']
     for name, thing in public(module).items():
         parts.append(_class(name, thing) if inspect.isclass(thing) else _other(name, thing))
     return '\n'.join(parts)
@@ -115,7 +121,7 @@ def _module(module: ModuleType) -> str:
 
 def _class(name: str, kind: type) -> str:
     """Return the section of a class: what it is, and a line for each of its members."""
-    lines = [f'### {name}{"" if issubclass(kind, enum.Enum) else _signature(kind)}\n', _text(kind)]
+    lines = [_heading(name, '' if issubclass(kind, enum.Enum) else _signature(kind)), _text(kind)]
     if issubclass(kind, enum.Enum):
         lines.append('\n' + ', '.join(f'`{member.name}`' for member in kind))
     listed = [f'- `{m}{_signature(v)}`: {_text(v, 1)}' for m, v in members(kind).items()]
@@ -126,13 +132,19 @@ def _class(name: str, kind: type) -> str:
     return '\n'.join([*lines, *([''] if listed else []), *listed, ''])
 
 
+def _heading(name: str, signature: str) -> str:
+    """Return the heading of a class or function, and below it the call if it has arguments."""
+    call = '' if signature in ('', '()') else f'`{name}{signature}`\n\n'
+    return f'## {name}\n\n{call}'.rstrip('\n') + '\n'
+
+
 def _other(name: str, thing: Any) -> str:
     """Return the section of a function or of a value."""
     if inspect.isfunction(thing):
-        return f'### {name}{_signature(thing)}\n\n{_text(thing)}\n'
+        return f'{_heading(name, _signature(thing))}\n{_text(thing)}\n'
     if name.endswith('_') and hasattr(thing, '__getitem__'):
-        return f'### {name}\n\n`{name}[float]` is `{name[:-1]}`.\n'
-    return f'### {name}\n\n`{thing!r}`\n'
+        return f'## {name}\n\n`{name}[float]` is `{name[:-1]}`.\n'
+    return f'## {name}\n\n`{thing!r}`\n'
 
 
 def _signature(thing: Any) -> str:
@@ -172,9 +184,7 @@ def _block(block: str) -> str:
     return f'{head}\n\n{re.sub(r"^    ", "  ", entries, flags=re.MULTILINE)}'
 
 
-def _anchor(title: str) -> str:
-    return re.sub(r'[^\w-]', '', title.lower())
-
-
 if __name__ == '__main__':
-    TARGET.write_text(api())
+    for path, text in pages().items():
+        (FOLDER / path).parent.mkdir(exist_ok=True)
+        (FOLDER / path).write_text(text)

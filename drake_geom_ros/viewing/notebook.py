@@ -29,6 +29,8 @@ from drake_geom_ros.viewing.shown_contacts import contacts_of
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.snapshot import Camera, Pixels, camera_for, looking, picture
 
+__all__ = ['NotebookPicture', 'show']
+
 
 class _JointsOfStates(Protocol):
     """Protocol of joints of states, such as ``drake_geom_ros.batch.Joints``."""

@@ -81,4 +81,5 @@ def test_the_title_of_a_file_is_shown(built):
 def test_the_index_lists_every_page():
     index = (ROOT / 'docs/index.md').read_text()
     pages = {path.relative_to(ROOT / 'docs').as_posix() for path in (ROOT / 'docs').rglob('*.md')}
+    pages = {page for page in pages if not page.startswith('api/')}  # python_api.md lists these
     assert {*re.findall(r'\]\(([^)#]+\.md)\)', index)} == pages - {'index.md'}
