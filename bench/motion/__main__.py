@@ -6,6 +6,7 @@
     python -m bench.motion arms --edges 2000       # arms, beside sampling, pydrake and tesseract
     python -m bench.motion pairs --motions 2000    # two bodies, beside python-fcl and tesseract
     python -m bench.motion trajectories --count 2000   # splines of controllers, beside sampling
+    python -m bench.motion stops --states 100000   # stops of arms and a base, against samples
     python -m bench.motion costs --edges 500       # tolerances, levels, clearance: docs/accuracy
 
 Tesseract is ``pip install tesseract-robotics==0.5.1``, which nothing else here needs.
@@ -16,7 +17,7 @@ from __future__ import annotations
 
 import argparse
 
-from bench.motion import arms, costs, hunt, trajectories
+from bench.motion import arms, costs, hunt, stops, trajectories
 
 
 def main() -> None:
@@ -32,6 +33,9 @@ def main() -> None:
     splining = commands.add_parser('trajectories', help='verdicts about splines, and misses')
     splining.add_argument('--count', type=int, default=2000)
     splining.add_argument('--seed', type=int, default=0)
+    stopping = commands.add_parser('stops', help='never clear where a stop comes too near')
+    stopping.add_argument('--states', type=int, default=100_000)
+    stopping.add_argument('--seed', type=int, default=0)
     pairing = commands.add_parser('pairs', help='time and verdicts of two bodies')
     pairing.add_argument('--motions', type=int, default=2000)
     costing = commands.add_parser('costs', help='what proofs cost, into docs/accuracy')
@@ -39,6 +43,8 @@ def main() -> None:
     options = parser.parse_args()
     if options.command == 'hunt':
         raise SystemExit(hunt.run(options.motions, options.seed))
+    if options.command == 'stops':
+        raise SystemExit(stops.run(options.states, options.seed))
     if options.command == 'trajectories':
         raise SystemExit(trajectories.run(options.count, options.seed))
     if options.command == 'costs':
