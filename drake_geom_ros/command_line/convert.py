@@ -13,6 +13,8 @@ from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, files_of, save_scene
 from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file
+from drake_geom_ros.scene_files.moveit_scene import SUFFIX as MOVEIT_SUFFIX
+from drake_geom_ros.scene_files.moveit_scene_writer import to_moveit_scene
 from drake_geom_ros.scene_files.urdf_writer import to_urdf
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 
@@ -24,13 +26,14 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser(
         'convert',
         description=(
-            'A model (URDF, SDF, MJCF, directives, a mesh) or .yaml to .yaml, or, of one robot, '
-            'to .urdf; .csv to .json and back; '
+            'A model (URDF, SDF, MJCF, directives, a mesh), .yaml or .scene of MoveIt to .yaml, '
+            'to .scene, or, of one robot, to .urdf; .csv to .json and back; '
             'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
         ),
     )
     parser.add_argument('input', metavar='IN')
-    parser.add_argument('output', metavar='OUT')
+    parser.add_argument('output', metavar='OUT', nargs='?')
+    parser.add_argument('--to', metavar='OUT', help='the same as the second argument')
     parser.add_argument(
         '--resolution',
         type=finite,
@@ -43,7 +46,10 @@ def add_to(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Convert and return the exit code; raises SceneFileError or OSError for bad input."""
-    source, target = Path(options.input), Path(options.output)
+    outputs = [each for each in (options.output, options.to) if each is not None]
+    if len(outputs) != 1:
+        raise SceneFileError('give one file to be written, OUT or --to OUT', options.input)
+    source, target = Path(options.input), Path(outputs[0])
     check_outputs({'OUT': target}, [source, options.srdf])
     becomes_scene = target.suffix in _SCENE_SUFFIXES
     kind = source.suffix.lower()
@@ -60,6 +66,8 @@ def run(options: argparse.Namespace) -> int:
         text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
         with whole_file(target) as file:
             file.write(text)
+    elif source.suffix not in POSE_SUFFIXES and target.suffix == MOVEIT_SUFFIX:
+        _convert_to_moveit(source, target, options)
     elif source.suffix not in POSE_SUFFIXES and target.suffix == '.urdf':
         scene = read_and_warn(str(source), options.srdf, options.package_root, options.solid)
         text = to_urdf(scene)
@@ -71,11 +79,25 @@ def run(options: argparse.Namespace) -> int:
             write_poses(sets, file, target.suffix)
     else:
         raise SceneFileError(
-            f'cannot be converted to {str(target)!r}: models and .yaml become .yaml or .urdf, '
+            f'cannot be converted to {str(target)!r}: models, .yaml and .scene become .yaml, '
+            '.scene or .urdf, '
             f'.csv and .json become each other, and so do maps ({", ".join(MAP_SUFFIXES)})',
             str(source),
         )
     return 0
+
+
+def _convert_to_moveit(source: Path, target: Path, options: argparse.Namespace) -> None:
+    scene_graph = SceneGraph()
+    loaded = load_and_warn(
+        str(source), scene_graph, options.srdf, options.package_root, options.solid
+    )
+    check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
+    written = to_moveit_scene(scene_graph, loaded, source.stem)
+    with whole_file(target) as file:
+        file.write(written.text)
+    for each in written.left_out:
+        print(f'left out {each}')
 
 
 def _convert_map(source: Path, target: Path, resolution: float | None) -> None:

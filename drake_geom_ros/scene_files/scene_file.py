@@ -19,6 +19,7 @@ from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.gates import gates_left_out
 from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file, mesh_scene
 from drake_geom_ros.scene_files.model_files import robot_name
+from drake_geom_ros.scene_files.moveit_scene import SUFFIX, read_moveit_scene
 from drake_geom_ros.scene_files.mujoco_models import read_mjcf
 from drake_geom_ros.scene_files.obstacle_sources import sensors_left_out
 from drake_geom_ros.scene_files.registration import LoadedScene, register
@@ -37,7 +38,7 @@ from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh')
+FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh', 'moveit')
 _XML_FORMATS = ('urdf', 'sdf', 'mjcf')
 _XML_SUFFIXES = ('.urdf', '.sdf', '.world')
 _NO_OPTIONS = RobotOptions()
@@ -60,9 +61,9 @@ def read_scene(
         path_or_text: A path, or the text itself: a str with a line break in it, or one that
             begins with ``{`` or ``<``. Paths in a text count from the working folder.
         format: ``yaml``, ``urdf``, ``sdf``, ``mjcf`` (by the package mujoco), ``dmd`` (model
-            directives) or ``mesh`` (a scene of one body). If empty, the suffix of a mesh decides,
-            and for other files the content: the root element of XML, and the key ``directives`` of
-            YAML.
+            directives), ``mesh`` (a scene of one body) or ``moveit`` (MoveIt's text format). If
+            empty, the suffix of a mesh and ``.scene`` decide, and for other files the content:
+            the root element of XML, and the key ``directives`` of YAML.
         srdf: The SRDF of a URDF, a path or a text too.
         package_roots: A folder or several to search for packages, see ``ResourceResolver``.
         allowed_roots: A folder or several outside of which no file may be opened.
@@ -99,6 +100,8 @@ def read_scene(
         raise SceneFileError(reason, file)
     if srdf:
         raise SceneFileError('srdf is only for a URDF; in YAML a robot has the key `srdf`', file)
+    if format == 'moveit' or (not format and not text and file.endswith(SUFFIX)):
+        return read_moveit_scene(text_of(data, file), file)
     if format == 'dmd' or (not format and is_directives(data, '' if text else file)):
         return read_directives(data, file, folder, resolver, options)
     return parse_scene(read_yaml(text_of(data, file), file, MOST_ITEMS), folder, resolver)
