@@ -41,7 +41,7 @@ def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, tole
     for k in range(p_AB_Ws.shape[0]):
         A = OrientedShape(kind_A, shapes_A[k], R_WAs[k])
         B = OrientedShape(kind_B, shapes_B[k], R_WBs[k])
-        call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, tolerance, np.inf), rows[k])
+        call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, tolerance, np.inf, 0.0), rows[k])
 
 
 def random_shapes(rng, kind, count):

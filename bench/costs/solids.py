@@ -84,7 +84,7 @@ def time_of(ask: Callable[[], object]) -> float:
 def asked(A, B, at, out):
     """Return the processor time [s] of one answer, which is in ``out``."""
     (shaped_A, p_A), (shaped_B, p_B) = A, B
-    p, aim = p_B - (p_A + at), calling.Aim(size=0.0, tolerance=1e-9, cutoff=np.inf)
+    p, aim = p_B - (p_A + at), calling.Aim(size=0.0, tolerance=1e-9, cutoff=np.inf, accuracy=0.0)
 
     def ask():
         out[calling.NORMAL : calling.NORMAL + 3] = 0.0
@@ -96,7 +96,7 @@ def asked(A, B, at, out):
 def whether(A, B, at):
     """Return the processor time [s] of telling whether they overlap, as HasCollisions does."""
     (shaped_A, p_A), (shaped_B, p_B) = A, B
-    p, aim = p_B - (p_A + at), calling.Aim(size=0.0, tolerance=1e-9, cutoff=1e-14)
+    p, aim = p_B - (p_A + at), calling.Aim(size=0.0, tolerance=1e-9, cutoff=1e-14, accuracy=0.0)
     out = np.empty(calling.PAIR_WIDTH)
 
     def ask():

@@ -6,10 +6,21 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import Aim, Orient
 
 
 def call_for_pair(
-    kernel, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    kernel,
+    kind_A,
+    shape_A,
+    R_WA,
+    kind_B,
+    shape_B,
+    R_WB,
+    p_AB_W,
+    tolerance,
+    cutoff,
+    out,
+    accuracy=0.0,
 ):
     """Write the row ``out`` of a pair; its first columns hold a hint."""
     A = OrientedShape(int(kind_A), shape_A, np.ascontiguousarray(R_WA))
     B = OrientedShape(int(kind_B), shape_B, np.ascontiguousarray(R_WB))
-    aim = Aim(1.0, float(tolerance), float(cutoff))
+    aim = Aim(1.0, float(tolerance), float(cutoff), float(accuracy))
     kernel(A, B, np.array(p_AB_W, dtype=float), aim, out)

@@ -18,6 +18,12 @@ LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 # Iterations aim for this gap [m] where a larger error is wanted, too: a larger gap saves no time
 # (``exact`` costs 0.63 to 1.1 times ``fast``), and would hide contacts.
 COARSEST_GAP = LEVEL_GAPS['exact']
+# An accuracy [m] from which on solids are answered by coins of their trees' nodes. Its class, the
+# power of 2 below, exceeds this many roundings of a distance: below that ``exact`` answers.
+COARSE = 1e-5
+ROUNDINGS_OF_A_CLASS = 2.0**24
+# Share of the area of a node's triangles [-] that their sum as vectors has to be to give a normal.
+NO_NORMAL = 1e-9
 # The same of all levels; at 'bound' bounds alone will do.
 GAPS_OF_LEVELS = {'bound': math.inf, **LEVEL_GAPS}
 

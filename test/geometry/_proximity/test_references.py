@@ -127,7 +127,7 @@ def _call_each(address, kind_A, shape_A, R_WAs, kind_B, shape_B, R_WBs, p_AB_Ws,
     for k in range(len(rows)):
         A = OrientedShape(kind_A, shape_A, R_WAs[k])
         B = OrientedShape(kind_B, shape_B, R_WBs[k])
-        call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf), rows[k])
+        call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf, 0.0), rows[k])
 
 
 @njit
@@ -136,7 +136,7 @@ def _call_each_over(by, address, kind_A, shape_A, R_WAs, kind_B, shape_B, R_WBs,
     for k in range(len(rows)):
         A = OrientedShape(kind_A, shape_A, R_WAs[k])
         B = OrientedShape(kind_B, shape_B, R_WBs[k])
-        call_by_address(by, address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf), rows[k])
+        call_by_address(by, address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf, 0.0), rows[k])
 
 
 def _shape(rng, kind):

@@ -12,7 +12,8 @@ p_AB_W     position of Bo from Ao, in World axes (3,) [m]: a kernel never sees h
 aim        an ``Aim``: ``tolerance``, how far [m] apart the certified bounds at which an iteration
            may stop (a closed form ignores it); ``cutoff`` [m], once the distance is certified to
            exceed it a kernel may stop and report its lower bound with BOUND_ONLY as method,
-           infinity: never; and the ``size`` of the pair's shapes [m]
+           infinity: never; the ``size`` of the pair's shapes [m]; and the ``accuracy`` [m] that
+           is wanted, which kernels of solids may use up: iterations aim for ``tolerance``
 out        one row of PAIR_WIDTH numbers, see ``calling.pairs``. On entry its normal is a *hint*:
            nhat_BA_W of an earlier answer of the same pair, or zeros. A row may have SLOT_WIDTH
            columns and MEMORY_WIDTH more: there, zeros at first, a kernel of hulls keeps

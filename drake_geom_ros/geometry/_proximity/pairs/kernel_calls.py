@@ -117,7 +117,7 @@ def _has_plain_overlap(
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
-    call_kernel(kernels[PLAIN_OVERLAP], A, B, p_AB_W, Aim(0.0, 0.0, 0.0), out)
+    call_kernel(kernels[PLAIN_OVERLAP], A, B, p_AB_W, Aim(0.0, 0.0, 0.0, 0.0), out)
     return out[DISTANCE] < 0.0
 
 

@@ -250,7 +250,7 @@ def answer_pairs(
                     shapes, poses = Shapes(types, starts, pool), (R_WGs, p_WGs)
                     if any_will_do and is_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, now):
                         return _as_only_hit(k, hits, counts)
-                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
+                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding), level_gap)
                     recall(out, level_gap, types[a], types[b])
                     call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)
                 _widen(out, tolerance, extent, rounding, counts)

@@ -90,8 +90,12 @@ def at_one_metre(
         p[k] = math.ldexp(p[k], -e)
     shape_A, shape_B = resized(A.kind, A.shape, -e), resized(B.kind, B.shape, -e)
     A, B = OrientedShape(A.kind, shape_A, A.R_W), OrientedShape(B.kind, shape_B, B.R_W)
-    size, tolerance, cutoff = aim
-    aim = Aim(math.ldexp(size, -e), math.ldexp(tolerance, -e), math.ldexp(cutoff, -e))
+    aim = Aim(
+        math.ldexp(aim.size, -e),
+        math.ldexp(aim.tolerance, -e),
+        math.ldexp(aim.cutoff, -e),
+        math.ldexp(aim.accuracy, -e),
+    )
     call_kernel(address, A, B, p, aim, out)
     for k in (DISTANCE, ERROR_BOUND):
         out[k] = math.ldexp(out[k], e)

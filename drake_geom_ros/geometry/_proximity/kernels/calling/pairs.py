@@ -49,13 +49,14 @@ class Aim(NamedTuple):
     size: float  # [m] of the pair's shapes
     tolerance: float  # [m]
     cutoff: float  # [m]
+    accuracy: float  # [m] the largest error that is wanted, 0: as ``tolerance`` says
 
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]
 _shape = types.NamedTuple([types.int64, _vector, _matrix], OrientedShape)
 PAIR_SIGNATURE = types.void(
-    _shape, _shape, _vector, types.NamedUniTuple(types.float64, 3, Aim), _vector
+    _shape, _shape, _vector, types.NamedUniTuple(types.float64, 4, Aim), _vector
 )
 
 

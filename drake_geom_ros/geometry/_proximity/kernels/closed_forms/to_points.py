@@ -194,7 +194,7 @@ def by_pair_kernel(
 ) -> None:
     """Write the signed distances of points as balls of radius 0, for other shapes."""
     point = OrientedShape(SPHERE, np.zeros(1), np.eye(3))
-    G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, math.inf)
+    G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, math.inf, 0.0)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
     for k in range(span.first, span.last):
         near, _, rounding = seen(body, p_WQs, k, threshold)

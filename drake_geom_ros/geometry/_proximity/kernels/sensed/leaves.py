@@ -85,7 +85,7 @@ def _call(pair: MapPair, c_A: Vector, c_B: Vector, p: Vector, limit: float, out:
     answer, apart = row(out, 0), row(out, 1)
     for k in range(3):
         answer[NORMAL + k], apart[k] = 0.0, sign * between[k]
-    aim = Aim(A.reach + B.reach, pair.aim.tolerance, limit)
+    aim = Aim(A.reach + B.reach, pair.aim.tolerance, limit, 0.0)
     leaf_A = OrientedShape(A.leaf_kind, A.leaf, A.R_W)
     leaf_B = OrientedShape(B.leaf_kind, B.leaf, B.R_W)
     if not first:

@@ -41,7 +41,7 @@ def to_map(
 ) -> None:
     """Write the signed distances of points to a map; ``address`` is a ball and cell kernel's."""
     point = OrientedShape(SPHERE, np.zeros(1), np.eye(3))
-    G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, threshold)
+    G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, threshold, 0.0)
     pair, out = map_pair(address, point, G, aim, 0.0), np.zeros(PAIR_WIDTH)
     for k in range(span.first, span.last):
         near, _, rounding = seen(body, p_WQs, k, threshold)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.kernels.solids.coins import coin_parameters
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import inner_boxes
 from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_parameters
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
@@ -60,7 +61,9 @@ def solid_parameters(
     lanes = lane_parameters(
         corners, nodes[:, LOWER : UPPER + 3], leaf_bounds(len(corners), leaves)
     )
-    parts = hull, header, nodes, corners, on_pieces, planes, lanes, np.array([float(len(hull))])
+    coins = coin_parameters(corners, leaf_bounds(len(corners), leaves))
+    place = np.array([float(len(hull))])
+    parts = hull, header, nodes, corners, on_pieces, planes, lanes, coins, place
     return np.concatenate([part.ravel() for part in parts]), numbers
 
 

@@ -3,9 +3,9 @@
 Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
 children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; the number of a triangle of
 each connected piece of the surface; the planes of the hull's largest faces; boxes in it; the tree
-for points (``lane_tree``); last the place of the header. Everything is in the solid's frame, and
-all is computed in B's frame: A, its origin at p, is turned into it. A may be a core of
-``supports`` or a solid: a core is a tree of one leaf.
+for points (``lane_tree``); coins of the nodes (``coins``); last the place of the header.
+Everything is in the solid's frame, and all is computed in B's frame: A, its origin at p, is turned
+into it. A may be a core of ``supports`` or a solid: a core is a tree of one leaf.
 """
 
 import math

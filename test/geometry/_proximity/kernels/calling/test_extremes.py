@@ -43,7 +43,7 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
         lengths = [np.ldexp(each, e) for each in lengths]
         A = calling.OrientedShape(kinds[0], lengths[0], np.eye(3))
         B = calling.OrientedShape(kinds[1], lengths[1], R)
-        aim = calling.Aim(np.ldexp(4.0, e), np.ldexp(1e-9, e), np.inf)
+        aim = calling.Aim(np.ldexp(4.0, e), np.ldexp(1e-9, e), np.inf, 0.0)
         extremes.at_one_metre(address, A, B, np.ldexp(p, e), aim, row)
         rows.append(row)
     lengths = [calling.DISTANCE, calling.ERROR_BOUND, *range(calling.WITNESS_A, 10)]

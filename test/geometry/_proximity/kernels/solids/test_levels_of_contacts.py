@@ -88,7 +88,7 @@ def is_plain(A, B):
     """Return whether the query for a collision takes the pair without asking its kernel."""
     shaped = [calling.OrientedShape(*kernel_form(body), body.R) for body in (A, B)]
     out = np.full(calling.PAIR_WIDTH, np.nan)
-    plain_overlap(*shaped, B.p - A.p, calling.Aim(0.0, 0.0, 0.0), out)
+    plain_overlap(*shaped, B.p - A.p, calling.Aim(0.0, 0.0, 0.0, 0.0), out)
     return out[calling.DISTANCE] < 0.0
 
 

@@ -37,7 +37,10 @@ def told(A, B):
     """What is told without a depth, and by the pair's kernel (PAIR_WIDTH,)."""
     A, B = sorted((A, B), key=lambda body: kernel_form(body)[0])
     shaped = [calling.OrientedShape(*kernel_form(body), body.R) for body in (A, B)]
-    aim, p = calling.Aim(size=0.0, tolerance=1e-9, cutoff=np.inf), np.subtract(B.p, A.p)
+    aim, p = (
+        calling.Aim(size=0.0, tolerance=1e-9, cutoff=np.inf, accuracy=0.0),
+        np.subtract(B.p, A.p),
+    )
     plain, row = np.full(calling.PAIR_WIDTH, np.nan), np.zeros(calling.PAIR_WIDTH)
     plain_overlap(*shaped, p, aim, plain)
     signed_distance_to_solid(*shaped, p, aim, row)

@@ -1,0 +1,245 @@
+"""Solids to an accuracy that is wanted: coins hold their triangles, and bounds hold the truth."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import config
+from oracles.forms import kernel_form
+from oracles.kernel_calls import call_for_pair
+from oracles.solids import parts_gap, solid
+
+from drake_geom_ros.cross_check.bodies import Body
+from drake_geom_ros.cross_check.surfaces import nearest_points
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    NORMAL,
+    PAIR_WIDTH,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.coarse import class_of
+from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
+    Coin,
+    coin_parameters,
+    separation_beside,
+    separation_of_coins,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.packing import leaf_bounds
+from drake_geom_ros.geometry._proximity.kernels.solids.pairs import signed_distance_to_solid
+from drake_geom_ros.geometry._proximity.kinds import MESH, SOLID
+from drake_geom_ros.geometry._proximity.tolerances import COARSE
+from truth.bodies.mesh_bodies import mesh_body
+from truth.bodies.random_bodies import random_directions, random_rotation
+from truth.references.meshes import parts_of
+
+EXAMPLES = 5 if config.DISABLE_JIT else 60
+# Over the size of the bodies, which have few triangles; the smallest ones leave all to ``exact``.
+ACCURACIES = (1.0, 0.3, 0.08, 0.02, 5e-3, 1e-3, 1e-5)
+NAMES = ('L', 'U', 'ring')
+
+
+def row_to(a, b, accuracy):
+    """Return the row of two solids to an accuracy [m], 0 for that of ``exact``."""
+    (kind_A, shape_A), (kind_B, shape_B) = kernel_form(a), kernel_form(b)
+    assert kind_A == kind_B == SOLID
+    out = np.zeros(PAIR_WIDTH)
+    gap = 1e-9 * min(1.0, a.radius, b.radius)
+    bodies = kind_A, shape_A, a.R, kind_B, shape_B, b.R
+    kernel = signed_distance_to_solid
+    call_for_pair(kernel, *bodies, b.p - a.p, gap, math.inf, out, accuracy)
+    assert np.isfinite(out).all()
+    return out
+
+
+def check_rows(a, b, scale):
+    """Check the laws of all accuracies against the row of ``exact``, and return that."""
+    exact = row_to(a, b, 0.0)
+    size = a.radius + b.radius + np.linalg.norm(b.p - a.p)
+    rounding = 1e-13 * size
+    widest = math.inf
+    for accuracy in scale * np.array(ACCURACIES):
+        out = row_to(a, b, accuracy)
+        if exact[DISTANCE] < exact[ERROR_BOUND]:
+            assert (out == exact).all() or out[DISTANCE] > 0.0
+        off = abs(out[DISTANCE] - exact[DISTANCE])
+        assert off <= out[ERROR_BOUND] + exact[ERROR_BOUND], (accuracy, out, exact)
+        if exact[DISTANCE] > exact[ERROR_BOUND] and exact[METHOD] == MESH:
+            assert out[METHOD] == MESH
+            assert out[ERROR_BOUND] <= max(accuracy, exact[ERROR_BOUND]) + rounding
+            # A smaller length never has a wider bound.
+            assert out[ERROR_BOUND] <= widest + rounding
+            widest = out[ERROR_BOUND]
+            n, apart = out[NORMAL : NORMAL + 3], out[WITNESS_A : WITNESS_A + 3]
+            apart = apart - out[WITNESS_B : WITNESS_B + 3]
+            assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
+            assert apart == pytest.approx(out[DISTANCE] * n, abs=rounding)
+            for each, witness in ((a, WITNESS_A), (b, WITNESS_B)):
+                away = nearest(each, a.p + out[witness : witness + 3])
+                assert away <= 16.0 * rounding  # the points are on the surfaces
+            swapped = row_to(b, a, accuracy)
+            between = abs(swapped[DISTANCE] - out[DISTANCE])
+            assert between <= swapped[ERROR_BOUND] + out[ERROR_BOUND]
+    # Other accuracies, asked before, change nothing.
+    assert (row_to(a, b, 0.0) == exact).all()
+    widest = row_to(a, b, scale)
+    assert (row_to(a, b, 0.0) == exact).all()
+    assert (row_to(a, b, scale) == widest).all()
+    return exact
+
+
+def nearest(each, p_W):
+    """Return the distance [m] of a point from the surface of a body, by all its triangles."""
+    q = each.R.T @ (p_W - each.p)
+    return np.linalg.norm(nearest_points(each.corners, q) - q, axis=1).min()
+
+
+@settings(max_examples=EXAMPLES)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=st.integers(1, 40),
+    flat=st.sampled_from([1.0, 1e-3, 1e-9, 0.0]),
+    size=st.sampled_from([1e-3, 1.0, 1e3]),
+)
+def test_coins_hold_their_triangles(seed, count, flat, size):
+    rng = np.random.default_rng(seed)
+    leaves = 1
+    while 4 * leaves < count:
+        leaves *= 2
+    corners = size * rng.normal(size=(count, 3, 3)) * [1.0, 1.0, flat]
+    starts = leaf_bounds(count, leaves)
+    coins = coin_parameters(corners, starts)
+    for k in range(2 * leaves - 1):
+        first = last = k
+        while first < leaves - 1:
+            first, last = 2 * first + 1, 2 * last + 2
+        points = corners[starts[first - leaves + 1] : starts[last - leaves + 2]].reshape(-1, 3)
+        middle, n, half, radius = coins[k, :3], coins[k, 3:6], coins[k, 6], coins[k, 7]
+        assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
+        heights = (points - middle) @ n
+        assert np.abs(heights).max() <= half
+        across = np.linalg.norm(points - middle - heights[:, None] * n, axis=1)
+        assert across.max() <= radius
+
+
+@settings(max_examples=EXAMPLES)
+@given(seed=st.integers(0, 2**32 - 1), flat=st.sampled_from([1.0, 1e-2, 0.0]))
+def test_no_points_of_coins_are_nearer_than_their_separation(seed, flat):
+    rng = np.random.default_rng(seed)
+    coins, clouds = [], []
+    for _ in range(2):
+        n, middle = random_directions(rng, 1)[0], rng.normal(size=3)
+        half, radius = flat * rng.uniform(0.0, 1.0), rng.uniform(0.01, 1.0)
+        coins.append(Coin(tuple(middle), tuple(n), half, radius))
+        across = rng.normal(size=(400, 3))
+        across -= (across @ n)[:, None] * n
+        across *= radius / np.linalg.norm(across, axis=1)[:, None]
+        clouds.append(middle + across + np.outer(rng.choice([-half, half], 400), n))
+    separation = separation_of_coins(*coins)
+    apart = np.linalg.norm(clouds[0][:, None] - clouds[1][None], axis=2).min()
+    assert separation <= apart + 1e-12
+    assert separation_beside(*coins) <= apart + 1e-12
+    assert separation_of_coins(*coins[::-1]) == pytest.approx(separation, abs=1e-12)
+
+
+def test_coins_that_face_each_other_are_as_far_as_they_are():
+    below = Coin((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.001, 1.0)
+    above = Coin((0.9, 0.0, 0.05), (0.0, 0.0, -1.0), 0.002, 1.0)
+    assert separation_of_coins(below, above) == pytest.approx(0.047, abs=1e-7)
+    beside = Coin((5.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.001, 1.0)
+    assert separation_of_coins(below, beside) == pytest.approx(3.0, abs=1e-7)
+    aslant = Coin((5.0, 0.0, 4.003), (0.0, 0.0, 1.0), 0.002, 1.0)
+    assert separation_beside(below, aslant) == pytest.approx(5.0, abs=1e-7)
+
+
+@pytest.mark.parametrize('length', [1e-3, 0.25, 0.3, 1.0, 3.7e-9])
+def test_a_class_is_the_power_of_two_below(length):
+    assert class_of(length) <= length < 2.0 * class_of(length)
+    assert math.log2(class_of(length)).is_integer()
+
+
+@settings(max_examples=EXAMPLES)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    names=st.tuples(st.sampled_from(NAMES), st.sampled_from(NAMES)),
+    cuts=st.sampled_from([1, 4]),
+    gap=st.sampled_from([None, 1e-12, 1e-7, 1e-4, 2e-3, 0.05]),
+    size=st.sampled_from([1e-3, 0.1, 1.0, 1e3]),
+)
+def test_bounds_hold_the_distance_of_unions_of_boxes(seed, names, cuts, gap, size):
+    rng = np.random.default_rng(seed)
+    a = solid(names[0], size, cuts).placed(random_rotation(rng), np.zeros(3))
+    R = random_rotation(rng) if rng.random() < 0.7 else a.R
+    b = solid(names[1], size, cuts).placed(R, size * rng.uniform(-4.0, 4.0, 3))
+    if gap is not None:
+        out = row_to(a, b, 0.0)
+        b = b.at(b.p + (out[DISTANCE] - gap * size) * out[NORMAL : NORMAL + 3])
+    exact = check_rows(a, b, size)
+    truth, error = parts_gap(a, b)
+    if truth > error and not (exact[DISTANCE] < 0.0):
+        for accuracy in size * np.array(ACCURACIES):
+            out = row_to(a, b, accuracy)
+            assert abs(out[DISTANCE] - truth) <= out[ERROR_BOUND] + error
+    assert len(parts_of(a)) > 1
+
+
+@settings(max_examples=EXAMPLES // 3)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    gap=st.sampled_from([None, 1e-6, 1e-3, 0.03]),
+    size=st.sampled_from([1e-3, 1.0, 1e3]),
+    names=st.sampled_from([('Ball', 'Ball'), ('Ball', 'L'), ('pin', 'Ball'), ('wall', 'pin')]),
+)
+def test_bounds_hold_the_distance_of_dents_pins_and_thin_walls(seed, gap, size, names):
+    rng = np.random.default_rng(seed)
+    a, b = (ADVERSE[name]().scaled(size) for name in names)
+    a = a.placed(random_rotation(rng), np.zeros(3))
+    direction = random_directions(rng, 1)[0]
+    b = b.placed(random_rotation(rng), size * rng.uniform(0.0, 0.4) * direction)
+    if gap is not None:
+        out = row_to(a, b, 0.0)
+        b = b.at(b.p + (out[DISTANCE] - gap * size) * out[NORMAL : NORMAL + 3])
+    check_rows(a, b, size)
+
+
+def pin():
+    """Return a plate with a spike 0.1 m long and 10 um thick: its faces are needles."""
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
+    bottom = np.column_stack((0.1 * square, np.full(4, -0.01)))
+    top = np.column_stack((0.1 * square, np.zeros(4)))
+    foot = np.column_stack((5e-6 * square, np.zeros(4)))
+    vertices = np.vstack((bottom, top, foot, [[0.0, 0.0, 0.1]]))
+    triangles = [(0, 2, 1), (0, 3, 2)]
+    for k in range(4):
+        m = (k + 1) % 4
+        triangles += [(k, m, 4 + m), (k, 4 + m, 4 + k)]
+        triangles += [(4 + k, 4 + m, 8 + m), (4 + k, 8 + m, 8 + k), (8 + k, 8 + m, 12)]
+    return Body('Solid', vertices, triangles=np.array(triangles))
+
+
+def wall():
+    """Return a U flattened to walls, and an opening between them, of 0.1 mm."""
+    body = solid('U', 0.1, 2)
+    return Body('Solid', np.array(body.size) * [1e-3, 1.0, 1.0], triangles=body.triangles)
+
+
+ADVERSE = {
+    'Ball': lambda: mesh_body('Ball', 100 if config.DISABLE_JIT else 1300),
+    'L': lambda: mesh_body('L', 1300),
+    'pin': pin,
+    'wall': wall,
+}
+
+
+def test_where_nothing_is_gained_the_kernel_of_exact_answers():
+    a = mesh_body('Ball', 100)
+    b = mesh_body('L', 100).at(np.array([0.4, 0.1, 0.0]))
+    exact = row_to(a, b, 0.0)
+    assert (row_to(a, b, 0.99 * COARSE) == exact).all()
+    # Its triangles are larger than a millimetre by far.
+    assert (row_to(a, b, 1e-3) == exact).all()
+    assert row_to(a, b, 1e-2)[ERROR_BOUND] > 1e-3 > 1e-9 > exact[ERROR_BOUND]
