@@ -79,7 +79,8 @@ def test_a_robot_that_came_as_text_is_saved_without_its_urdf(folder):
         (
             TEXT,
             {'format': 'stl'},
-            "<text>: format 'stl' must be one of ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh')",
+            "<text>: format 'stl' must be one of ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh', "
+            "'moveit')",
         ),
         (TEXT, {'srdf': 'a.srdf'}, '<text>: srdf is only for a URDF'),
         (TEXT + 'frames: 1', {}, '<text>:3: frames: 1 must be a list'),
