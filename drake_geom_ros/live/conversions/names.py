@@ -25,6 +25,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.scene_files.drake_names import drake_name
 
 WORLD = 'world'
+MAPS = 'obstacles'  # the source of sensed maps
 TRACKED = 'tracked'  # the source of bodies that trackers see
 HEARTBEAT = 'heartbeat'  # its frame that is no body: how long ago the trackers spoke
 _LONGEST = 80  # letters of a name that are shown

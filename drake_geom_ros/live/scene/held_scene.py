@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, QueryObject, SceneGraph
-from drake_geom_ros.live.conversions.names import TRACKED, WORLD
+from drake_geom_ros.live.conversions.names import MAPS, TRACKED, WORLD
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.half_spaces import overlapping_half_spaces
@@ -22,7 +22,7 @@ from drake_geom_ros.live.scene.scene_maps import SceneMaps
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
-from drake_geom_ros.live.scene.scene_snapshot import MAPS, SceneMark, SceneSnapshot
+from drake_geom_ros.live.scene.scene_snapshot import SceneMark, SceneSnapshot
 from drake_geom_ros.live.scene.scene_stopping import SceneStopping
 from drake_geom_ros.live.scene.scene_tracked import NAMED_AS_TRACKED, SceneTracked
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView

@@ -10,13 +10,13 @@ import math
 from collections.abc import Sequence
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.names import MAPS
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.scene_maps import SeenMap
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.waiting_maps import NAMED_AS_MAPS
 from drake_geom_ros.scene_files import SceneDescription
 

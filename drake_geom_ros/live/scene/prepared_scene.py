@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drake_geom_ros.geometry import ArgumentError, SceneGraph, SceneGraphContext
+from drake_geom_ros.live.conversions.names import MAPS
 from drake_geom_ros.live.scene.scene_draft import SceneDraft
 from drake_geom_ros.live.scene.scene_model import shared_context
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.waiting_maps import WaitingMaps, waiting_maps
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
 

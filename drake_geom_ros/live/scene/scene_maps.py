@@ -9,12 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, SourceId
-from drake_geom_ros.live.conversions.names import TRACKED
+from drake_geom_ros.live.conversions.names import MAPS, TRACKED
 from drake_geom_ros.live.scene.clocks import Clocks, Since
 from drake_geom_ros.live.scene.out_of_sight import MapSights, Sight
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.seen_shells import (
     NO_SHELL,
     NOTHING_BESIDE,

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
     SourceId,
 )
-from drake_geom_ros.live.conversions.names import TRACKED
+from drake_geom_ros.live.conversions.names import MAPS, TRACKED
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import (
     AwaitedFilter,
@@ -27,8 +27,6 @@ from drake_geom_ros.scene_files import (
     poses_in_parents,
     without_source,
 )
-
-MAPS = 'obstacles'  # the source of what sensors see
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
     SourceId,
 )
+from drake_geom_ros.live.conversions.names import MAPS
 from drake_geom_ros.live.scene.scene_maps import SeenMap
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.math import RigidTransform
 
 GEOMETRY = 'map'

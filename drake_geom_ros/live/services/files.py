@@ -10,11 +10,11 @@ from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.names import MAPS
 from drake_geom_ros.live.scene.changes.addition import addition, exchange
 from drake_geom_ros.live.scene.changes.removal import in_order_of_removal
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.waiting_maps import GEOMETRY
 from drake_geom_ros.live.services.saved_file import SavedFile
 from drake_geom_ros.scene_files import SceneDescription, read_scene, to_yaml

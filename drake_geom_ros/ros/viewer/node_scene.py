@@ -21,11 +21,10 @@ from drake_geom_ros.common.geometry_names import GeometryNames
 from drake_geom_ros.geometry import CandidatePairs, GeometryError, GeometryId, Role
 from drake_geom_ros.live.conversions.fields import pose_from_message
 from drake_geom_ros.live.conversions.file_access import FileAccess
-from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.conversions.names import MAPS, some_of
 from drake_geom_ros.live.conversions.proximity_rules import rules_from_message
 from drake_geom_ros.live.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.live.conversions.shapes import shape_from_message
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs, Why
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts

@@ -12,10 +12,10 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
     SourceId,
 )
+from drake_geom_ros.live.conversions.names import MAPS
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.scene_poses import Place
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.scene_files import (
     LoadedScene,
     SceneDescription,

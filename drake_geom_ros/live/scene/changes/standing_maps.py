@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from drake_geom_ros.geometry import ArgumentError, SceneGraph, SceneGraphContext
+from drake_geom_ros.live.conversions.names import MAPS
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
-from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.waiting_maps import NAMED_AS_MAPS, WaitingMaps, waiting_maps
 
 
