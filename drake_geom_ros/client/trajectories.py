@@ -15,7 +15,7 @@ _OUTCOMES = ('', 'clear', 'contact', 'unknown')
 
 
 class TrajectoryState(NamedTuple):
-    """What is proved of the rest of a trajectory that runs; times [s] since its start.
+    """Verdict about the rest of a trajectory that runs; times [s] since its start.
 
     ``outcome`` is that of a ``Motion``, or empty where nothing is known; ``trouble`` says why, or
     what the outcome rests on. Only ``'clear'`` of a trajectory that has not ended is clear:

@@ -43,7 +43,7 @@ def refuse_shared_topic(gate: Gate, others: Sequence[Gate]) -> None:
 
 
 def decide_gate(scene: HeldScene, robot: str, gate: VelocityGate, now: float) -> None:
-    """Tell the gate of a robot what the rules of a scene allow at the time ``now`` [s].
+    """Set the gate of a robot to what the rules of a scene allow at the time ``now`` [s].
 
     Where rules of level STOPPABLE are about the robot, its last command is proved: the base is
     swept along it, through reaction and braking. What passes is that command alone, times the

@@ -22,7 +22,7 @@ _ZEROS = 10  # messages of rest, one a look, so that one that is lost does no ha
 
 
 class Decision(NamedTuple):
-    """How fast a robot may go by its rules."""
+    """The speed that a robot's rules allow."""
 
     scale: float  # of the commanded velocity, 0 to 1
     why: str  # reason for a scale below 1, in words
@@ -90,7 +90,7 @@ class VelocityGate:
             raise ArgumentError(f'the twist is {twist.tolist()}; it must be finite')
 
     def decide(self, decision: Decision, now: float, proved: Floats | None = None) -> None:
-        """Take what the rules of now allow; a robot that may not go on as fast is told at once.
+        """Take what the rules of now allow; a robot that may not go on as fast is sent it at once.
 
         With ``proved`` (6,) the decision is about this command alone: it is what passes, now, and
         a later one waits for the decision about it. A command to rest waits for none.

@@ -29,7 +29,7 @@ _FINER = 4  # parts of an edge of boxes that is not proved, in the second look a
 
 
 class Moment(NamedTuple):
-    """What is known of a moment."""
+    """Values, speeds and ages at a moment."""
 
     values: Floats  # (c,)
     velocities: Floats

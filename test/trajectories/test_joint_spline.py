@@ -58,7 +58,7 @@ def test_values_are_those_of_the_polynomial_with_the_given_ends(seed, kind, part
 @given(seed=st.integers(0, 10**6), kind=st.sampled_from(KINDS))
 def test_bounds_contain_the_values_and_derivatives(seed, kind):
     spline = JointSpline(trajectory_of(seed, kind))
-    rows, curves = spline.path()
+    rows, curves, _ = spline.path()
     s = np.linspace(0, 1, 101)
     for edge in range(3 * EDGES):
         for joint in range(2):
@@ -115,7 +115,7 @@ def test_what_is_no_trajectory_is_refused(changes, word):
 @pytest.mark.parametrize('kind', KINDS)
 def test_the_edges_of_a_path_are_the_spline(kind):
     spline = JointSpline(trajectory_of(1, kind))
-    rows, curves = spline.path()
+    rows, curves, _ = spline.path()
     times = np.interp(np.arange(3 * EDGES + 1) / EDGES, np.arange(4), spline.times)
     for edge in range(3 * EDGES):
         for part in (0.0, 0.3, 0.9):

@@ -1,4 +1,4 @@
-"""What a query measured, as rules take it, and how far bodies reach."""
+"""Pairs that a query measured, as rules take them, and how far bodies reach."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the robots of the live scene can still stop, for its rules of level STOPPABLE."""
+"""Stopping of the robots of the live scene, for its rules of level STOPPABLE."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class _Prepared(NamedTuple):
 
 
 class _Asked(NamedTuple):
-    """What a check was asked for."""
+    """The arguments of a check."""
 
     prepared: _Prepared
     states: list[RobotState]

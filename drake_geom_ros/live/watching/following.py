@@ -1,4 +1,4 @@
-"""Where the joints are beside where a trajectory has them."""
+"""Deviation of joints from a trajectory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drake_geom_ros.live.watching.watched_trajectory import WatchedTrajectory
 
 
 class Following(NamedTuple):
-    """How well joints follow a trajectory."""
+    """The deviation of joints from a trajectory."""
 
     deviation: float  # [rad] or [m] of the joint that is farthest from it; nan: no value
     joint: str  # that one

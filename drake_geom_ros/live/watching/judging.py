@@ -26,7 +26,7 @@ from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 
 class Basis:
-    """What a judgement rests on, but for the joints of the trajectory, which go on.
+    """The state that a judgement rests on, but for the joints of the trajectory, which go on.
 
     That is the content of the scene, its filters, the poses of all frames that these joints do not
     move, and the values of the other joints of the same robots.
@@ -69,7 +69,7 @@ class Basis:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is proved of the rest of a trajectory, and of which scene."""
+    """The proof about the rest of a trajectory, and its scene."""
 
     check: MotionCheck  # times [s] since the start of the trajectory
     begin: float  # [s] since the start, from which on it holds
@@ -97,7 +97,7 @@ class Judgement:
 
 
 class StaleNow(NamedTuple):
-    """What is stale by now."""
+    """Frames and joints that are stale by now."""
 
     ages: Mapping[int, float]  # [s] of frames, by the values of their ids
     links: frozenset[int]  # frames of links that joints beside those of a trajectory move

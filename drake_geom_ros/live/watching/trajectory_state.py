@@ -1,4 +1,4 @@
-"""What is told of a trajectory that runs, and the message ~/trajectory_states."""
+"""The state of a trajectory that runs, and the message ~/trajectory_states."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ class TrajectoryState(NamedTuple):
     has_ended: bool = False
 
     def is_like(self, other: TrajectoryState | None) -> bool:
-        """Return whether nothing is to be told that another state does not say."""
-        return other is not None and self.told() == other.told()
+        """Return whether another state says all that this one does."""
+        return other is not None and self.published() == other.published()
 
-    def told(self) -> tuple[Any, ...]:
-        """Return what is told when it changes: all but how far joints deviate."""
+    def published(self) -> tuple[Any, ...]:
+        """Return the values that are published when they change: all but the deviation."""
         limit = self.watched.deviation_tolerance
         return (
             *(self.watched, self.outcome, self.begin, self.times, self.ids, self.trouble),

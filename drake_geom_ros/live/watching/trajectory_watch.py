@@ -44,14 +44,14 @@ def effect() -> Beside:
 
 
 class Logs(NamedTuple):
-    """Where events go."""
+    """The logs of events."""
 
     info: Callable[[str], object]
     warning: Callable[[str], object]
 
 
 class _Look(NamedTuple):
-    """What was seen of a trajectory and its judgement while the scene was held."""
+    """A trajectory and its judgement as they were while the scene was held."""
 
     follows: Following
     unreliable: list[str]
@@ -67,7 +67,7 @@ class _Running:
     failure: str = ''  # why there is no judgement
     joints: RobotJoints | None = None  # the table in which the joints were looked up
     places: list[JointPlace] | None = None
-    told: TrajectoryState | None = None
+    published: TrajectoryState | None = None
 
     def places_in(self, joints: RobotJoints) -> list[JointPlace]:
         """Return where the joints are; raises ArgumentError where one is gone."""
@@ -93,7 +93,7 @@ class TrajectoryWatch:
         self._log, self._did = log, did
         self._running: dict[str, _Running] = {}
         self._made_names = 0
-        self._is_told = False  # what is to be told of which trajectories there are
+        self._is_published = False  # the list of trajectories that there are
         self.judgements = 0
 
     def begin(self, request: Any, response: Any) -> None:
@@ -105,7 +105,7 @@ class TrajectoryWatch:
         refuse_limits(self._live, watched)
         running = _Running(watched)
         running.judgement = self._judge(watched)
-        self._running[name], self._is_told = running, False
+        self._running[name], self._is_published = running, False
         response.name = name
 
     def end(self, request: Any, response: Any) -> None:
@@ -116,29 +116,30 @@ class TrajectoryWatch:
                 f'{some_of(list(self._running)) or "none"}'
             )
         del self._running[request.name]
-        self._is_told = False
+        self._is_published = False
 
     def look(self) -> None:
-        """Judge what rests on a scene that has changed, and tell what is new."""
-        if not self._running and self._is_told:
+        """Judge what rests on a scene that has changed, and publish what is new."""
+        if not self._running and self._is_published:
             return
         states = [self._state(running) for running in self._running.values()]
-        news = [s for s in states if not s.is_like(self._running[s.watched.name].told)]
-        if not news and self._is_told:
+        news = [s for s in states if not s.is_like(self._running[s.watched.name].published)]
+        if not news and self._is_published:
             return
         self._publish(states)
         for state in states:
             running = self._running[state.watched.name]
-            if state.has_ended or running.told is None or running.told.outcome != state.outcome:
+            before = running.published
+            if state.has_ended or before is None or before.outcome != state.outcome:
                 is_good = state.outcome == CLEAR
                 (self._log.info if is_good else self._log.warning)(state.in_words())
-            running.told = state
+            running.published = state
             if state.has_ended:
                 del self._running[state.watched.name]
 
     def forget(self) -> None:
-        """Tell the states anew, to subscribers that received nothing meanwhile."""
-        self._is_told = False
+        """Publish the states anew, to subscribers that received nothing meanwhile."""
+        self._is_published = False
 
     def _new_name(self) -> str:
         while True:
@@ -225,7 +226,7 @@ class TrajectoryWatch:
         stamp_seconds(message.header.stamp, self._live.clocks.node())
         fill_trajectory_states(message, states)
         self._publisher.publish(message)
-        self._is_told = True
+        self._is_published = True
 
 
 def _untrusted(scene: HeldScene) -> list[str]:
@@ -243,12 +244,12 @@ def _untrusted(scene: HeldScene) -> list[str]:
 
 def _ended(running: _Running, trouble: str = '') -> TrajectoryState:
     """Return the last state of a trajectory; with a ``trouble`` nothing is known of its rest."""
-    if not trouble and running.told is not None:
-        return running.told._replace(has_ended=True)
+    if not trouble and running.published is not None:
+        return running.published._replace(has_ended=True)
     return _not_judged(running, trouble)._replace(has_ended=True)
 
 
 def _not_judged(running: _Running, trouble: str) -> TrajectoryState:
-    watched, told = running.watched, running.told
-    begin = float(watched.spline.times[0]) if told is None else told.begin
+    watched, before = running.watched, running.published
+    begin = float(watched.spline.times[0]) if before is None else before.begin
     return TrajectoryState(watched, NOT_KNOWN, begin, (begin, watched.end), trouble=trouble)
