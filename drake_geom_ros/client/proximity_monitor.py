@@ -153,7 +153,11 @@ class ProximityMonitor:
 
     @property
     def speed_scale(self) -> float:
-        """Speed scale, 0 to 1; 0 if ``why_stop`` has a reason."""
+        """Speed scale, 0 to 1; 0 if ``why_stop`` has a reason.
+
+        With a rule of the level ``stoppable`` it is a share of the present speed, and not of the
+        nominal one: ``~/speed_limit`` has the speeds that are proved.
+        """
         return 0.0 if self.why_stop() else self._scale
 
     def why_stop(self) -> str:
@@ -166,13 +170,18 @@ class ProximityMonitor:
                 return f'there is no proximity rule {name!r}{nearest(name, standings)}'
             if trouble := standings[name].trouble:
                 return trouble
-        # A stoppable rule that is entered asks for less speed: see ``speed_scale``.
+        # A stoppable rule that is entered asks for less speed (``speed_scale``), a latched one for
+        # rest until it is acknowledged.
         stops = [rule for rule in standings.values() if rule.level in ('stop', 'stoppable')]
         if all(rule.trouble for rule in stops):  # or there is none
             return next((rule.trouble for rule in stops), 'no proximity rule says when to stop')
         if not self.is_alive:
             return f'{self._server} is silent for more than {SILENCE:g} s'
-        entered = [rule for rule in stops if rule.entered and rule.level == 'stop']
+        entered = [
+            rule
+            for rule in stops
+            if rule.entered and (rule.level == 'stop' or rule.awaits_acknowledgement)
+        ]
         return ', '.join(rule.in_words() for rule in entered)
 
     def acknowledge(self, rule: str) -> Future:

@@ -2,6 +2,7 @@
 
 import pytest
 from drake_geom_msgs import msg
+from std_msgs.msg import Float64
 
 from drake_geom_ros.client import ProximityMonitor
 
@@ -95,3 +96,16 @@ def test_events_are_known_before_states_say_so(heard, entered):
         node.hears['proximity_states' if is_states else 'proximity_events'](message)
     assert {name: rule.entered for name, rule in monitor.rules.items()} == entered
     assert ('stop: near' in monitor.why_stop()) == entered.get('stop', False)
+
+
+@pytest.mark.parametrize('waits', [False, True])
+def test_a_stoppable_rule_asks_for_less_speed_and_a_latched_one_for_rest(waits):
+    node = Node()
+    monitor = ProximityMonitor(node)
+    message = states(2, True)
+    message.rules.level = [msg.ProximityRule.STOPPABLE]
+    message.why, message.awaits_acknowledgement = [msg.ProximityEvents.CANNOT_STOP], [waits]
+    node.hears['proximity_states'](message)
+    node.hears['speed_scale'](Float64(data=0.4))
+    assert monitor.why_stop() == ('stop: cannot stop, to be acknowledged' if waits else '')
+    assert monitor.speed_scale == (0.0 if waits else 0.4)
