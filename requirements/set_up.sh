@@ -65,7 +65,7 @@ compute_keys() {
   python=$(find_python)
   venv_key=$(printf '%s\n' "$venv" "$(describe_python "$python")" "$underlay" | hash)
   packages_key=$(cd "$root/requirements"; 
-    GLOBIGNORE=test.txt:lint.txt:peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt:wheels.txt
+    GLOBIGNORE=test.txt:lint.txt:peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt:wheels.txt:docs.txt
     { echo "$venv_key"; cat -- *.txt "$wheels"/*.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"

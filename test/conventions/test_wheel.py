@@ -13,7 +13,6 @@ import pytest
 from conventions.source_tree import PACKAGE, ROOT, SOURCES, imports_of, name_of
 from conventions.test_packages import LIBRARIES, pins, requirements
 from packaging.requirements import Requirement
-from test_readme import blocks
 
 pytestmark = [pytest.mark.packaging, pytest.mark.processes]
 
@@ -149,8 +148,10 @@ def test_nothing_else_is_there(prefix, tmp_path, library):
     assert run(prefix / 'bin/python', '-c', script, cwd=tmp_path) == 'None\n'
 
 
-def test_the_core_example_prints_what_the_readme_says(prefix, tmp_path):
-    (script,) = blocks('python')
+def test_the_core_example_prints_what_its_page_says(prefix, tmp_path):
+    page = (ROOT / 'docs/installation.md').read_text()
+    examples = re.findall(r'^```python\n(.*?)^```$', page, re.S | re.M)
+    (script,) = [each for each in examples if 'off by at most' in each]
     printed = run(prefix / 'bin/python', '-c', script, cwd=tmp_path)
     assert script.rstrip().endswith(f'# {printed.strip()}')
 

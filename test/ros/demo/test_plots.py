@@ -16,7 +16,7 @@ def test_the_curves_and_the_filter_changes_are_drawn(tmp_path):
     draw_distances(scenes.recording(), tmp_path / 'distances.png')
     picture = np.asarray(Image.open(tmp_path / 'distances.png').convert('RGB'))
     assert picture.shape[1] > 1000
-    for colour in ((0x1F, 0x5F, 0xA8), (0x2A, 0x8A, 0x57), (0xC0, 0x39, 0x2B), (0x55,) * 3):
+    for colour in ((0x1F, 0x5F, 0xA8), (0xD9, 0x82, 0x2B), (0xA6, 0x3F, 0x00), (0x55,) * 3):
         assert _has(picture, colour, 100)
 
 
