@@ -146,6 +146,16 @@ def read_moveit_scene(text: str, file: str) -> SceneDescription:
                 title = lines.take('the name of a subframe')
                 X_OS = lines.pose(f'subframe {title!r}')
                 frames.append(_frame(f'{name}/{title}', name, X_OS, where))
+    if lines.peek():
+        text = lines.take('')
+        warnings.append(
+            str(
+                lines.error(
+                    f'the scene ends above, by {_END!r}; {text[:60]!r} and what follows '
+                    'is not read'
+                )
+            )
+        )
     return SceneDescription(
         file,
         sources=(SOURCE,),

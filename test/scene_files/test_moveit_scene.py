@@ -172,6 +172,14 @@ def test_what_is_no_scene_is_refused_with_its_line(old, new, words, tmp_path):
         read_scene(file)
 
 
+def test_what_comes_after_the_end_is_not_read_and_warned_of():
+    scene = read(f'{TABLE}\n* late\n0 0 0\n')
+    assert {frame.name for frame in scene.frames} == {'mug', 'mug/handle', 'ground'}
+    (warning,) = [each for each in scene.warnings if 'late' in each]
+    assert f':{len(TABLE.splitlines()) + 2}: the scene ends above' in warning
+    assert not [each for each in read(f'{TABLE}\n \n').warnings if 'ends above' in each]
+
+
 SCENE = """
 sources: [cell, other]
 frames:

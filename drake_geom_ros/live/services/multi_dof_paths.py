@@ -15,7 +15,7 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.names import shortened, some_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.robot_joints import RobotJoints
-from drake_geom_ros.live.services.joint_paths import PathOfJoints, PathPoint
+from drake_geom_ros.live.services.joint_paths import POINTS, PathOfJoints, PathPoint
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import OUT_OF_PLANE
@@ -41,10 +41,11 @@ class _Joint(NamedTuple):
         return [f'{self.robot}::{self.name}/{each}' for each in _DIRECTIONS[self.type]]
 
 
-def multi_dof_path(live: LiveScene, message: Any) -> PathOfJoints:
+def multi_dof_path(live: LiveScene, message: Any, profile: str = '') -> PathOfJoints:
     """Return the values of a MultiDOFJointTrajectory; raises ArgumentError for what is none.
 
-    Its velocities and accelerations are not read.
+    So it does for velocities and accelerations, which nobody follows here, unless the ``profile``
+    is that of straight ways.
     """
     with live.reading() as scene:
         every = _joints_of(scene.model.joints)
@@ -60,6 +61,8 @@ def multi_dof_path(live: LiveScene, message: Any) -> PathOfJoints:
                 f'point {number} of multi_dof_path has {len(point.transforms)} transforms for '
                 f'{len(joints)} joints; it must have one for each'
             )
+        if profile != POINTS:
+            _refuse_derivatives(number, point)
         pairs = zip(joints, point.transforms, strict=True)
         rows[number] = np.concatenate([_values(each, X, number) for each, X in pairs])
         if number:  # by the shorter way
@@ -67,6 +70,17 @@ def multi_dof_path(live: LiveScene, message: Any) -> PathOfJoints:
             rows[number, turns] -= 2.0 * math.pi * np.round(steps / (2.0 * math.pi))
     values = zip(rows.tolist(), message.points, strict=True)
     return PathOfJoints(columns, [PathPoint(q, [], [], p.time_from_start) for q, p in values])
+
+
+def _refuse_derivatives(number: int, point: Any) -> None:
+    """Raise ArgumentError for a point with velocities or accelerations."""
+    for name in ('velocities', 'accelerations'):
+        if len(getattr(point, name)):
+            raise ArgumentError(
+                f'point {number} of multi_dof_path has {name}, which are not followed: joints of '
+                'several values and frames go straight from point to point. Leave them out, or '
+                f'give the profile {POINTS!r} to say so'
+            )
 
 
 def _joints_of(robots: RobotJoints) -> list[_Joint]:

@@ -70,7 +70,7 @@ def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> Jo
     _refuse_fields(request)
     start_joints = GivenJoints(request.start_joints.names, request.start_joints.positions)
     trajectory, foreign = for_the_scene(live, request.path, request.ignore_foreign_joints)
-    several = multi_dof_path(live, request.multi_dof_path)
+    several = multi_dof_path(live, request.multi_dof_path, request.profile)
     names = [*trajectory.joint_names, *several.joint_names]
     view, joints, begin = view_of_joints(live, request.start, names, start_joints)
     path = _path(trajectory, several, begin, request.profile)

@@ -131,11 +131,13 @@ def transform(x=0.0, y=0.0, z=0.0, roll=0.0, pitch=0.0, yaw=0.0):
     return Plain(translation=Plain(x=x, y=y, z=z), rotation=Plain(**rotation))
 
 
-def several(names, rows, times):
+def several(names, rows, times, **derivatives):
     points = []
     for transforms, time in zip(rows, times, strict=True):
         whole, part = divmod(round(1e9 * time), 10**9)
-        points.append(Plain(transforms=transforms, time_from_start=Plain(sec=whole, nanosec=part)))
+        given = {'velocities': [], 'accelerations': [], **derivatives}
+        time_from_start = Plain(sec=whole, nanosec=part)
+        points.append(Plain(transforms=transforms, time_from_start=time_from_start, **given))
     return Plain(joint_names=names, points=points)
 
 
@@ -189,3 +191,15 @@ def test_turns_go_by_the_shorter_way(yard):
 def test_what_no_joint_can_do_is_refused(yard, names, rows, words):
     with pytest.raises(RuntimeError, match=words):
         answer(yard, multi_dof_path=several(names, rows, range(len(rows))))
+
+
+@pytest.mark.parametrize('name', ['velocities', 'accelerations'])
+def test_derivatives_of_several_values_are_refused_unless_the_way_is_to_be_straight(yard, name):
+    rows = [[transform(0.0, 2.0)], [transform(4.0, 2.0)]]
+    way = several(['slide'], rows, (0.0, 4.0), **{name: [Plain()]})
+    with pytest.raises(RuntimeError, match=f'point 0 of multi_dof_path has {name}'):
+        answer(yard, multi_dof_path=way)
+    straight = answer(yard, multi_dof_path=way, profile='points')
+    assert straight.outcome == CLEAR
+    bare = answer(yard, multi_dof_path=several(['slide'], rows, (0.0, 4.0)))
+    assert straight.lower_bound == bare.lower_bound
