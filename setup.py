@@ -72,6 +72,9 @@ EXTRAS['models'] = [
     'networkx>=3.0',
 ]
 EXTRAS['all'] = sorted({name for names in EXTRAS.values() for name in names})
+# Problems of IPOPT. cyipopt itself has to be compiled, and Ipopt installed before; of this one
+# there are wheels for Linux only, so it is not among `all`.
+EXTRAS['ipopt'] = ['cyipopt-wheels>=1.7.0.dev0']
 # The robot of the demo weighs more than all the rest.
 EXTRAS['demo'] = [*EXTRAS['pictures'], 'example-robot-data>=4.3']
 EXTRAS['examples'] = ['ompl>=2.0', 'ruckig>=0.15']  # the examples that plan

@@ -55,12 +55,48 @@ make_other_venv() {
 # test_core VERSION [FILES OF THE TREE]: the quick tests, or these, from an empty folder and
 # with nothing of the main environment but its settings.
 test_core() {
-  local python=$venv/core-$1/bin/python folder status=0
-  local cache=$venv/core-$1/numba files=("${@:2}")
+  local files=("${@:2}")
   (($# > 1)) || mapfile -t files < <(grep -v '^#' "$root/test/quick_core.txt")
+  test_in "$venv/core-$1" "${files[@]}"
+}
+
+# test_in ENVIRONMENT FILES OF THE TREE
+test_in() {
+  local python=$1/bin/python cache=$1/numba files=("${@:2}") folder status=0
   folder=$(mktemp -d)
   (cd "$folder" && env -u PYTHONPATH -u VIRTUAL_ENV -u AMENT_PREFIX_PATH NUMBA_CACHE_DIR="$cache" \
     "$python" -m pytest -q -p no:cacheprovider "${files[@]/#/$root/}") || status=$?
   rm -rf "$folder"
   return $status
+}
+
+# ---------------------------------------------------------------------------- OpenVDB
+
+# Files of OpenVDB are tested in an environment of the system's Python: OpenVDB's Python module is a
+# package of Debian's and Ubuntu's, made for that Python and NumPy 1, and PyPI has no wheel of it.
+
+# prepare_openvdb: sets `openvdb` to that environment, or to nothing where it cannot be had.
+prepare_openvdb() {
+  local key
+  openvdb=$venv/openvdb
+  key=$({ describe_python /usr/bin/python3; cat "$root/setup.py"; } | hash)
+  (flock 9; step openvdb "$venv/.stamp-openvdb" "$key" make_openvdb_venv) 9<"$root/run"
+  [[ -x $openvdb/bin/python ]] || openvdb=''
+}
+
+make_openvdb_venv() {
+  local system=/usr/bin/python3 uv=$venv/bin/uv
+  rm -rf "$openvdb"
+  supported "$(describe_python $system)" || { echo 'the system has no Python 3.10 to 3.13'; return; }
+  $system -c 'import pyopenvdb' || apt_try python3-openvdb
+  $system -c 'import pyopenvdb' || return 0
+  "$uv" venv --system-site-packages --python "$system" "$openvdb"
+  "$uv" pip install --python "$openvdb/bin/python" $(index_of_pip) \
+    -e "$root" 'numpy<2' pytest pytest-timeout pytest-xdist hypothesis
+  "$openvdb/bin/python" -c 'import numpy, pyopenvdb; assert numpy.__version__ < "2"'
+}
+
+test_openvdb() {
+  local name=test_vdb_files_are_level_sets_with_the_places_of_their_points
+  test_in "$openvdb" "test/batch/test_distance_field.py::$name"
 }

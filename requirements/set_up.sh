@@ -192,20 +192,22 @@ install_system() {
   apt-get "${wait[@]}" install -y --no-install-recommends "${apt_packages[@]}"
 }
 
-# A browser for the tests of the page, once tried: where it cannot be had they say that they are
-# skipped. Only fetching may hang; it is ended, and never the installation, which would leave
-# the system's packages broken.
-install_browser() {
-  if command -v chromium || command -v chromium-browser; then return; fi
-  [[ $(id -u) == 0 ]] && command -v apt-get || { echo 'only root can install one'; return 0; }
+# apt_try PACKAGE ...: packages for tests, once tried: where they cannot be had the run says what is
+# skipped. Only fetching may hang; it is ended, and never the installation, which would leave the
+# system's packages broken.
+apt_try() {
+  [[ $(id -u) == 0 ]] && command -v apt-get || { echo "only root can install $*"; return 0; }
   export DEBIAN_FRONTEND=noninteractive
   local install=(apt-get install -y --no-install-recommends)
-  if timeout -k 5 90 apt-get update && timeout -k 5 90 "${install[@]}" --download-only chromium; then
-    timeout -k 5 300 "${install[@]}" --no-download chromium || echo 'it cannot be installed'
+  if timeout -k 5 90 apt-get update && timeout -k 5 90 "${install[@]}" --download-only "$@"; then
+    timeout -k 5 300 "${install[@]}" --no-download "$@" || echo "cannot be installed: $*"
   else
-    echo 'it cannot be fetched'
+    echo "cannot be fetched: $*"
   fi
 }
+
+# A browser for the tests of the page.
+install_browser() { command -v chromium || command -v chromium-browser || apt_try chromium; }
 
 make_venv() {
   # Everything below was made by or for the environment that is replaced.
@@ -288,7 +290,7 @@ pip_add_wheels() {
 install_test() { add_sets test; }
 install_docs() { add_sets docs; }
 install_lint() { add_sets lint; }
-install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap pynrrd casadi pandas; }
+install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap pynrrd casadi pandas cyipopt-wheels; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add_wheels view viser lcm; }
 install_recordings() { pip_add_wheels recordings rosbags mcap; }

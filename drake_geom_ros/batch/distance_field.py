@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.batch.evaluation import context_of
 from drake_geom_ros.batch.running import cores
+from drake_geom_ros.batch.volume_files import write_nrrd, write_vdb
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -26,6 +27,7 @@ from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.state_queries import StateQueries
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
+_FORMATS = ('.npz', '.npy', '.nrrd', '.vdb')
 _SIDE = 16  # points of a block along each axis, whose geometries are chosen by its centre
 _STILL = np.zeros((1, 0, 7))  # the state in which nothing moves
 _SLACK = 1.0 + 2.0**-20  # more than rounding
@@ -59,27 +61,25 @@ class DistanceField(NamedTuple):
         """Write the field to a file, in the format of its suffix.
 
         ``.npz`` holds all arrays by name; ``.npy`` the distances alone; ``.nrrd`` the distances
-        with origin and spacing [m] for volume viewers, and needs the extra ``nrrd``. An existing
-        file is replaced at the end. Raises ArgumentError for another suffix, OSError.
+        with origin and spacing [m] for volume viewers, and needs the extra ``nrrd``; ``.vdb`` the
+        distances as a level set in single precision, and needs OpenVDB's Python module. An
+        existing file is replaced at the end. Raises ArgumentError for another suffix, ImportError
+        for a missing library, OSError.
         """
         suffix = Path(path).suffix
-        if suffix not in ('.npz', '.npy', '.nrrd'):
-            raise ArgumentError(f'path={str(path)!r} must end with .npz, .npy or .nrrd')
+        if suffix not in _FORMATS:
+            formats = f'{", ".join(_FORMATS[:-1])} or {_FORMATS[-1]}'
+            raise ArgumentError(f'path={str(path)!r} must end with {formats}')
         with whole_file(path, 'wb') as file:
             if suffix == '.npz':
                 np.savez_compressed(file, **self._asdict())
             elif suffix == '.npy':
                 np.save(file, self.distance)
+            elif suffix == '.nrrd':
+                write_nrrd(file, self.distance, self.origin, self.resolution)
             else:
-                import nrrd
-
-                header = {
-                    'space': 'right-anterior-superior',
-                    'space directions': self.resolution * np.eye(3),
-                    'space origin': self.origin,
-                    'space units': ['m', 'm', 'm'],
-                }
-                nrrd.write(file, self.distance, header)
+                bound = float(self.error_bound.max())
+                write_vdb(file, self.distance, bound, self.origin, self.resolution)
 
 
 def sample_sdf(

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.extras import needed_for
+
 Columns = dict[str, NDArray[Any]]
 
 _AXES = 'xyz'
@@ -29,7 +31,8 @@ class Tabular:
         An array (k, 3) becomes three columns with the suffixes x, y and z, a wider one columns
         with numbers. Needs pandas, the extra ``dataframes``.
         """
-        import pandas as pd
+        with needed_for('data frames', 'dataframes'):
+            import pandas as pd
 
         return pd.DataFrame(flat_columns(self.columns()))
 

@@ -8,6 +8,7 @@ Names are those of ``pydrake.multibody.inverse_kinematics`` where it has them::
 """
 
 from drake_geom_ros.optimization.constraint import Constraint
+from drake_geom_ros.optimization.ipopt_problem import ipopt_problem
 from drake_geom_ros.optimization.minimum_distance import (
     MinimumDistanceLowerBoundConstraint,
     MinimumDistanceUpperBoundConstraint,
@@ -33,6 +34,7 @@ from drake_geom_ros.optimization.spline_clearance import ClampedCubicSpline
 
 __all__ = [
     'Constraint',
+    'ipopt_problem',
     'MinimumDistanceLowerBoundConstraint',
     'MinimumDistanceUpperBoundConstraint',
     'DistanceConstraint',

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_geom_ros.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue
+from drake_geom_ros.common.extras import needed_for
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.geometry.checks import as_number
 from drake_geom_ros.math.array_types import Floats
@@ -125,9 +126,10 @@ class Constraint:
     def as_casadi(self, name: str = 'constraint') -> Any:
         """Return a ``casadi.Callback`` from values (n,) to outputs (m,), with its Jacobian.
 
-        It must outlive all functions that use it: CasADi does not keep it alive. Needs CasADi, the
-        extra ``casadi``.
+        It must outlive all functions that use it: CasADi does not keep it alive. Raises
+        ImportError without CasADi, the extra ``casadi``.
         """
-        from drake_geom_ros.optimization.casadi_callback import casadi_callback
+        with needed_for('functions of CasADi', 'casadi'):
+            from drake_geom_ros.optimization.casadi_callback import casadi_callback
 
         return casadi_callback(self, name)

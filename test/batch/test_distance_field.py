@@ -1,10 +1,13 @@
 """Fields of signed distances: queries about each point, closed forms, files."""
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from batch.conftest import Cell
 
-from drake_geom_ros.batch import sample_sdf
+from drake_geom_ros.batch import sample_sdf, volume_files
 from drake_geom_ros.geometry import (
     ArgumentError,
     Box,
@@ -125,8 +128,8 @@ def test_files_hold_the_field(posed, tmp_path):
     stored = np.load(tmp_path / 'field.npz')
     for name in field._fields:
         np.testing.assert_array_equal(stored[name], getattr(field, name))
-    with pytest.raises(ArgumentError, match=r'\.npz, \.npy or \.nrrd'):
-        field.save(tmp_path / 'field.vdb')
+    with pytest.raises(ArgumentError, match=r'\.npz, \.npy, \.nrrd or \.vdb'):
+        field.save(tmp_path / 'field.txt')
     assert sorted(path.name for path in tmp_path.iterdir()) == ['field.npy', 'field.npz']
 
 
@@ -138,6 +141,62 @@ def test_nrrd_files_have_origin_and_spacing(posed, tmp_path):
     np.testing.assert_array_equal(distances, field.distance)
     np.testing.assert_array_equal(header['space origin'], field.origin)
     np.testing.assert_array_equal(header['space directions'], 0.2 * np.eye(3))
+
+
+def openvdb():
+    """Return OpenVDB's Python module, if it is there for this NumPy."""
+    try:
+        return volume_files._openvdb()
+    except ImportError:
+        pytest.skip("OpenVDB's Python module is not there, or for another NumPy")
+
+
+@pytest.mark.parametrize('lower', [[-0.5, -0.4, -0.3], [0.1, 0.2, 0.3]])
+def test_vdb_files_are_level_sets_with_the_places_of_their_points(tmp_path, lower):
+    vdb = openvdb()
+    ball = scene_of(Sphere(0.3), RigidTransform([0.1, 0.2, 0.3]))
+    field = sample_sdf(ball, [lower, [0.5, 0.45, 0.61]], 0.1)
+    field.save(tmp_path / 'field.vdb')
+    (grid,), _ = vdb.readAll(str(tmp_path / 'field.vdb'))
+    assert (grid.name, grid.gridClass) == ('distance', vdb.GridClass.LEVEL_SET)
+    assert grid.activeVoxelCount() == field.distance.size
+    assert grid.background > np.abs(field.distance).max()
+    values = grid.getConstAccessor()
+    assert 0 < grid['error_bound'] < 1e-7
+    lowest, highest = grid.evalActiveVoxelBoundingBox()
+    assert lowest == (0, 0, 0)
+    assert highest == tuple(n - 1 for n in field.distance.shape)
+    for place in np.ndindex(field.distance.shape):
+        point = grid.transform.indexToWorld(place)
+        np.testing.assert_allclose(point, field.points[place], rtol=0, atol=1e-12)
+        true = np.linalg.norm(np.subtract(point, [0.1, 0.2, 0.3])) - 0.3
+        assert abs(values.getValue(place) - true) <= grid['error_bound']
+
+
+@pytest.mark.parametrize(('suffix', 'module'), [('.nrrd', 'nrrd'), ('.vdb', 'openvdb')])
+def test_a_missing_library_is_named_and_no_file_is_left(tmp_path, monkeypatch, suffix, module):
+    for name in (module, 'pyopenvdb'):
+        monkeypatch.setitem(sys.modules, name, None)  # as if it were not installed
+    advice = {'.nrrd': r'drake_geom_ros\[nrrd\]', '.vdb': 'apt-get install python3-openvdb'}[
+        suffix
+    ]
+    with pytest.raises(ImportError, match=advice):
+        sample_sdf(scene_of(Sphere(0.3)), BOUNDS, 0.5).save(tmp_path / f'field{suffix}')
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_module_for_another_numpy_is_refused(tmp_path, monkeypatch):
+    """It would end the process."""
+    boost = type('class', (type,), {'__module__': 'Boost.Python'})
+    module = SimpleNamespace(
+        FloatGrid=boost('FloatGrid', (), {}), __name__='pyopenvdb', __file__='pyopenvdb.so'
+    )
+    monkeypatch.setitem(sys.modules, 'openvdb', None)
+    monkeypatch.setitem(sys.modules, 'pyopenvdb', module)
+    monkeypatch.setattr(np, '__version__', '2.4.6')
+    with pytest.raises(ImportError, match=r'made for NumPy 1, and this is NumPy 2\.4\.6'):
+        sample_sdf(scene_of(Sphere(0.3)), BOUNDS, 0.5).save(tmp_path / 'field.vdb')
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -217,12 +217,12 @@ LAYERS = {
     ),
     'batch': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
-        ('numpy', 'distributed', 'matplotlib', 'nrrd', 'pyarrow'),
+        ('numpy', 'distributed', 'matplotlib', 'nrrd', 'openvdb', 'pyarrow', 'pyopenvdb'),
     ),
     # Constraints and gradients for solvers.
     'optimization': (
         ('math', 'autodiffutils', 'common', 'geometry', 'batch', 'trajectories', 'optimization'),
-        ('numpy', 'scipy', 'casadi'),
+        ('numpy', 'scipy', 'casadi', 'cyipopt'),
     ),
     'replay': (
         ('math', 'common', 'geometry', 'proximity_rules', 'scene_files', 'replay'),

@@ -76,6 +76,7 @@ OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
     *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules', 'xacro', 'rosbags', 'mcap'),
     *('meshio', 'lz4', 'zstandard', 'jsonschema_rs', 'casadi', 'nrrd', 'pandas'),
+    *('cyipopt', 'openvdb', 'pyopenvdb'),
 }
 
 

@@ -356,7 +356,11 @@ def test_a_package_without_a_wheel_is_left_out_but_not_all_of_them(folder):
 
 @pytest.mark.parametrize(
     ('uid', 'fetched', 'said'),
-    [(0, 'false', 'it cannot be fetched'), (0, 'true', 'installed'), (1000, 'true', 'only root')],
+    [
+        (0, 'false', 'cannot be fetched: chromium'),
+        (0, 'true', 'installed'),
+        (1000, 'true', 'only root'),
+    ],
 )
 def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fetched, said):
     there = 'command() { [[ $2 == apt-get ]]; }\n'
@@ -552,6 +556,35 @@ def test_the_oldest_python_has_the_oldest_packages_and_the_newest_the_newest(fol
     assert 'core-3.13/' in newest
     assert '--resolution highest' in newest
     assert all(line.endswith(f'-e {folder.resolve()}[test]') for line in (oldest, newest))
+
+
+@pytest.mark.parametrize(
+    ('openvdb', 'code', 'said'),
+    [
+        ('openvdb=$root/there', 0, 'fields for OpenVDB ok'),
+        ('openvdb=$root/broken', 1, 'fields for OpenVDB FAILED'),
+        ("openvdb=''", 0, 'fields for OpenVDB NOT RUN (no python3-openvdb here)'),
+        ('unset openvdb', 0, 'ruff check ok'),
+    ],
+)
+def test_fields_for_openvdb_are_tested_where_its_module_is(folder, openvdb, code, said):
+    checks = 'python() { :; }; test_in() { [[ $1 == *there ]]; }; ends=() missing=()\n'
+    done, _, errors = shell(folder, checks + openvdb + '\nrun_tests')
+    assert done == code, errors
+    last = errors.rstrip().splitlines()[-1]
+    assert said in last
+    assert ('OpenVDB' in last) == ('OpenVDB' in said)
+
+
+def test_without_openvdb_no_environment_is_made_for_it(folder):
+    """The system's Python is there, and nothing brings the module."""
+    script = 'compute_keys() { :; }; apt_try() { echo "asked for $*" >>"$root/asked"; }\n'
+    script += 'index_of_pip() { :; }; prepare_openvdb; echo "<$openvdb>"'
+    (folder / 'pyopenvdb.py').write_text('raise ImportError')
+    code, output, errors = shell(folder, script, PYTHONPATH=str(folder))
+    assert code == 0, errors
+    assert output.endswith('<>\n')
+    assert (folder / 'asked').read_text() == 'asked for python3-openvdb\n'
 
 
 def test_an_interpreter_that_is_missing_is_named_in_the_closing_line(folder):

@@ -1,10 +1,14 @@
 """Inverse kinematics with a minimum distance, by SciPy, CasADi, cyipopt, and pydrake's solvers."""
 
+import itertools
+import sys
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from drake_geom_ros.optimization import MinimumDistanceLowerBoundConstraint
+from drake_geom_ros.geometry import ArgumentError, GeometryError
+from drake_geom_ros.optimization import MinimumDistanceLowerBoundConstraint, ipopt_problem
 
 BOUND, OFFSET = 0.05, 0.2  # [m]
 GOAL = np.array([0.62, 0.35, 0.0])  # [rad], [rad], [m]: the elbow would be in the box
@@ -75,13 +79,73 @@ def test_casadi_keeps_the_distance_and_differentiates(planar, constraint, best):
 
 
 def test_cyipopt_takes_what_scipy_takes(planar, constraint, best):
-    cyipopt = pytest.importorskip('cyipopt', reason='another way to IPOPT')
+    cyipopt = pytest.importorskip('cyipopt', reason='the extra ipopt')
     limits = list(zip(planar.joints.lower, planar.joints.upper, strict=True))
     found = cyipopt.minimize_ipopt(
         cost, START, jac=slope, bounds=limits, constraints=[constraint.as_scipy()]
     )
     assert planar.checker.clearance(found.x) >= BOUND - 1e-6
     assert cost(found.x) >= best - 1e-6
+
+
+def problem_of(planar, constraints):
+    problem = ipopt_problem(
+        lambda q: (cost(q), slope(q)), constraints, planar.joints.lower, planar.joints.upper
+    )
+    for name, value in {'print_level': 0, 'sb': 'yes'}.items():
+        problem.add_option(name, value)
+    return problem
+
+
+def test_a_problem_of_ipopt_keeps_every_constraint(planar, constraint, best):
+    pytest.importorskip('cyipopt', reason='the extra ipopt')
+    found, report = problem_of(planar, [constraint]).solve(START)
+    assert report['status'] == 0
+    assert planar.checker.clearance(found) >= BOUND - 1e-6
+    assert cost(found) == pytest.approx(best, abs=1e-5)
+    free, _ = problem_of(planar, []).solve(START)
+    np.testing.assert_allclose(free, GOAL, rtol=0, atol=1e-6)
+    farther = MinimumDistanceLowerBoundConstraint(planar.checker, 2.0 * BOUND, OFFSET)
+    both, report = problem_of(planar, [constraint, farther]).solve(START)
+    assert report['status'] == 0
+    assert planar.checker.clearance(both) >= 2.0 * BOUND - 1e-6
+    assert cost(both) > cost(found)
+
+
+def test_a_problem_of_ipopt_evaluates_each_state_once(planar, constraint, monkeypatch):
+    pytest.importorskip('cyipopt', reason='the extra ipopt')
+    asked, evaluate = [], constraint.value_and_jacobian
+    monkeypatch.setattr(
+        constraint, 'value_and_jacobian', lambda q: (asked.append(q.tobytes()), evaluate(q))[1]
+    )
+    problem_of(planar, [constraint]).solve(START)
+    assert len(asked) > 5
+    assert all(a != b for a, b in itertools.pairwise(asked))
+
+
+def test_errors_of_a_constraint_end_ipopt(planar, constraint, monkeypatch):
+    pytest.importorskip('cyipopt', reason='the extra ipopt')
+
+    def refuse(q):
+        raise GeometryError('the scene has changed')
+
+    monkeypatch.setattr(constraint, 'value_and_jacobian', refuse)
+    with pytest.raises(GeometryError, match='the scene has changed'):
+        problem_of(planar, [constraint]).solve(START)
+
+
+def test_bounds_of_another_number_are_refused(planar, constraint):
+    pytest.importorskip('cyipopt', reason='the extra ipopt')
+    with pytest.raises(ArgumentError, match=r'lower has the shape \(2,\).*must be \(3,\)'):
+        ipopt_problem(lambda q: (cost(q), slope(q)), [constraint], START[:2], START)
+
+
+@pytest.mark.parametrize(('module', 'extra'), [('cyipopt', 'ipopt'), ('casadi', 'casadi')])
+def test_a_missing_solver_is_named_with_its_extra(planar, constraint, monkeypatch, module, extra):
+    monkeypatch.setitem(sys.modules, module, None)  # as if it were not installed
+    monkeypatch.delitem(sys.modules, 'drake_geom_ros.optimization.casadi_callback', raising=False)
+    with pytest.raises(ImportError, match=rf'need {module}.*drake_geom_ros\[{extra}\]'):
+        problem_of(planar, [constraint]) if module == 'cyipopt' else constraint.as_casadi()
 
 
 @pytest.mark.parametrize('name', ['IpoptSolver', 'SnoptSolver'])
