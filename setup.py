@@ -63,13 +63,14 @@ EXTRAS = {
     'casadi': ['casadi>=3.6'],  # constraints as functions of CasADi
     'mujoco': ['mujoco>=3.17'],  # models of MuJoCo (MJCF)
 }
-# Models in all formats: macros, MJCF, tetrahedra, and mesh files of several parts, which trimesh
-# joins.
+# Models in all formats: macros, MJCF, tetrahedra, images of height maps, and mesh files of several
+# parts, which trimesh joins.
 EXTRAS['models'] = [
     *EXTRAS['xacro'],
     *EXTRAS['volume_meshes'],
     *EXTRAS['mujoco'],
     'networkx>=3.0',
+    'pillow>=10.1',
 ]
 EXTRAS['all'] = sorted({name for names in EXTRAS.values() for name in names})
 # Problems of IPOPT. cyipopt itself has to be compiled, and Ipopt installed before; of this one

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -30,6 +30,7 @@ from drake_geom_ros.scene_files import (
     files_of,
     register,
 )
+from drake_geom_ros.scene_files.urdf_filters import adjacent_links
 
 LinkPair = tuple[str, str]
 _BLOCK = 1000  # states at once
@@ -52,7 +53,8 @@ def add_to(commands: Any) -> None:
         'suggest-filters',
         description='Samples configurations of a robot within its joint limits, and writes the '
         'pairs of its links that are always, by default (at rest), or never in collision, and '
-        'those that a joint connects, as SRDF or as filters of a scene file. That a pair was '
+        'those that are adjacent (a joint connects them, or fixed joints hold them together), '
+        'as SRDF or as filters of a scene file. That a pair was '
         'never in collision is what was seen, and no proof.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
@@ -110,20 +112,10 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _adjacent(joints: Iterable[Any], links: set[str]) -> set[LinkPair]:
-    """Return the pairs of links with shapes that joints connect, also via links without shapes.
-
-    The latter follows MoveIt's setup assistant (``disableAdjacentLinks``).
-    """
-    neighbours: dict[str, set[str]] = {}
-    for joint in joints:
-        neighbours.setdefault(joint.parent, set()).add(joint.child)
-        neighbours.setdefault(joint.child, set()).add(joint.parent)
-    for bare in neighbours.keys() - links:
-        around = neighbours.pop(bare)
-        for link in around:
-            neighbours[link] = (neighbours[link] | around) - {link, bare}
-    return {_ordered(link, other) for link in neighbours for other in neighbours[link]}
+def _adjacent(joints: Sequence[Any], links: set[str]) -> set[LinkPair]:
+    """Return the pairs of links with shapes that are adjacent, as loading filters them."""
+    sets = (each.links for each in adjacent_links(joints, links))
+    return {_ordered(a, b) for each in sets for a, b in combinations(each, 2)}
 
 
 def sampled(

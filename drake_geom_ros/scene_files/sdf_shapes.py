@@ -17,6 +17,7 @@ from drake_geom_ros.geometry.shapes.extrusion import extruded
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.sdf_elements import SdfFile, numbers_in, text_of
+from drake_geom_ros.scene_files.sdf_heightmaps import height_field_of
 from drake_geom_ros.scene_files.xml_tree import local_name
 
 KNOWN_SHAPES = (
@@ -25,14 +26,13 @@ KNOWN_SHAPES = (
     'cylinder',
     'ellipsoid',
     'empty',
+    'heightmap',
     'mesh',
     'plane',
     'polyline',
     'sphere',
 )
 _HOW = {
-    'heightmap': 'simulators scale and turn its image differently; give the heights as the shape '
-    'height_field of a scene file, or the surface as a mesh',
     'image': 'give its boxes, or a mesh',
     'cone': 'give it as a mesh, whose hull is the cone',
 }
@@ -70,8 +70,14 @@ def shape_of(
         return make(*(numbers_in(shape, name, 1)[0] for name in ('radius', 'length'))), stays
     if kind == 'polyline':
         return _polyline(shape), stays
+    if kind == 'heightmap':
+        return height_field_of(shape, file, resolver), _position_of(shape)
     advice = f'; {_HOW[kind]}' if kind in _HOW else ''
     raise ValueError(f'the shape <{kind}> is not read{advice}; read are {", ".join(KNOWN_SHAPES)}')
+
+
+def _position_of(heightmap: Any) -> RigidTransform:
+    return RigidTransform(numbers_in(heightmap, 'pos', 3, '0 0 0'))
 
 
 def _polyline(element: Any) -> Mesh:

@@ -6,7 +6,7 @@ Drake's elements have the meaning of Drake's parser, as observed with pydrake.
 from collections import defaultdict
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from drake_geom_ros.geometry import CollisionFilterManager
 from drake_geom_ros.scene_files.description import (
@@ -170,23 +170,40 @@ def group_name(name: str, source: str) -> str:
 def adjacent_cliques(
     joints: Sequence[Joint], with_geometry: Collection[str], source: str, options: RobotOptions
 ) -> Iterator[CliqueDescription]:
-    """Yield a clique for each two links that a moving joint connects, and for each fixed body.
-
-    A floating joint connects nothing, as in Drake, since its child may be anywhere. A fixed body
-    is a set of links that fixed joints hold together. Links without geometry carry no filter, but
-    fixed bodies extend across them: a hand on an empty flange does not collide with the link that
-    the flange is fixed to.
-    """
+    """Yield the cliques of ``adjacent_links``, if the options filter them."""
     if not options.filter_adjacent_links:
         return
+    for links in adjacent_links(joints, with_geometry):
+        name = ' - '.join(links.links) if links.are_jointed else f'fixed to {links.links[0]}'
+        yield _clique(f'{source}: {name}', source, links.links)
+
+
+class AdjacentLinks(NamedTuple):
+    """Links with geometry that a moving joint connects, or that fixed joints hold together."""
+
+    links: tuple[str, ...]
+    are_jointed: bool
+
+
+def adjacent_links(
+    joints: Sequence[Joint], with_geometry: Collection[str]
+) -> Iterator[AdjacentLinks]:
+    """Yield the sets of adjacent links of a robot, as in Drake.
+
+    Each two links that a moving joint connects are one, and so is each body of links that fixed
+    joints hold together. A floating joint connects nothing, since its child may be anywhere. Links
+    without geometry are in no set, but fixed bodies extend across them: a hand on an empty flange
+    is adjacent to the link that the flange is fixed to. A moving joint does not: a link beyond the
+    joint of such a flange is adjacent to none.
+    """
     for joint in joints:
         ends = (joint.parent, joint.child)
         if joint.type not in ('fixed', 'floating') and all(link in with_geometry for link in ends):
-            yield _clique(f'{source}: {joint.parent} - {joint.child}', source, ends)
+            yield AdjacentLinks(ends, True)
     for body in _fixed_bodies(joints):
-        links = [link for link in body if link in with_geometry]
+        links = tuple(link for link in body if link in with_geometry)
         if len(links) > 1:
-            yield _clique(f'{source}: fixed to {links[0]}', source, links)
+            yield AdjacentLinks(links, False)
 
 
 def links_fixed_to(joints: Sequence[Joint], link: str) -> list[str]:

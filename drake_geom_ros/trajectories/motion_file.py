@@ -23,6 +23,7 @@ Frames are named ``source::frame``; names may contain ``::``, and an ambiguous t
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import combinations
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -30,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
+from drake_geom_ros.scene_files import urdf_filters
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
@@ -88,12 +90,15 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
 
 
 def adjacent_links(scene: SceneDescription) -> list[tuple[str, str]]:
-    """Return the two links of every joint of a scene's robots, as ``source::frame``."""
+    """Return the pairs of adjacent links of a scene's robots, as ``source::frame``."""
     return [
-        (full_name((robot.name, joint.parent)), full_name((robot.name, joint.child)))
+        (full_name((robot.name, a)), full_name((robot.name, b)))
         for robot in scene.robots
         if robot.tree is not None
-        for joint in robot.tree.joints
+        for each in urdf_filters.adjacent_links(
+            robot.tree.joints, {g.frame for g in scene.geometries if g.source == robot.name}
+        )
+        for a, b in combinations(each.links, 2)
     ]
 
 

@@ -1,11 +1,14 @@
 """`suggest-filters`: pairs of links by what they do in sampled configurations."""
 
+from itertools import combinations
+
 import pytest
 from lxml import etree
 from oracles.panda import URDF
 
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.scene_files import load_scene, read_scene
 
 
 def link(name, shape='<sphere radius="0.1"/>', at='0 0 0'):
@@ -80,18 +83,44 @@ def test_an_srdf_and_filters_load_and_leave_those_pairs_out(robot, tmp_path):
     assert 'never' not in text.partition('\n')[2]
 
 
-def test_links_without_shapes_connect_as_joints_do(tmp_path, capsys):
-    """The hand of a Panda is fixed to its flange, which has no shape."""
+@pytest.mark.parametrize(
+    ('kinds', 'flange'),
+    [
+        (('fixed', 'revolute'), '<link name="flange"/>'),
+        (('fixed', 'revolute'), link('flange')),
+        (('revolute', 'fixed'), '<link name="flange"/>'),
+        (('fixed', 'fixed'), '<link name="flange"/>'),
+        (('fixed', 'fixed'), link('flange')),
+        (('revolute', 'revolute'), link('flange')),
+        (('floating', 'revolute'), link('flange')),
+    ],
+)
+def test_adjacent_links_are_those_that_loading_filters(tmp_path, capsys, kinds, flange):
+    """a - flange - b: with a bare flange between a fixed and a moving joint, as in pydrake."""
     path = tmp_path / 'arm.urdf'
-    joints = (
-        joint('a', 'wrist', 'flange', '0.1 0 0'),
-        joint('b', 'flange', 'hand', '0 0 0', 'fixed'),
-    )
-    bare, shaped = '<link name="flange"/>', link('wrist') + link('hand')
-    path.write_text(f'<robot name="arm">{shaped}{bare}{"".join(joints)}</robot>')
+    joints = [
+        joint('i', 'a', 'flange', '0.1 0 0', kinds[0]),
+        joint('j', 'flange', 'b', '0 0 0', kinds[1]),
+    ]
+    joints.append(joint('k', 'b', 'far', '0 0 9'))  # so that each robot can move
+    links = link('a') + flange + link('b') + link('far')
+    path.write_text(f'<robot name="arm">{links}{"".join(joints)}</robot>')
     assert main(['suggest-filters', str(path), '--states', '10']) == 0
     found = suggested(capsys.readouterr().out)
-    assert found == {frozenset(('hand', 'wrist')): 'Adjacent'}
+    scene_graph = SceneGraph()
+    loaded = load_scene(path, scene_graph)
+    candidates = scene_graph.model_inspector().GetCollisionCandidates()
+    kept = {frozenset(id.get_value() for id in pair) for pair in candidates}
+    ids = {frame: id.get_value() for (_, frame, _), id in loaded.geometries.items()}
+    filtered = {
+        frozenset((a, b))
+        for a, b in combinations(ids, 2)
+        if frozenset((ids[a], ids[b])) not in kept
+    }
+    assert {pair for pair, reason in found.items() if reason == 'Adjacent'} == filtered
+    # They overlap in each state, so that no pair of links is lost.
+    near = [frame for frame in ids if frame != 'far']
+    assert kinds[0] == 'floating' or set(map(frozenset, combinations(near, 2))) <= set(found)
 
 
 def test_a_panda_is_filtered_as_its_srdf_has_it(capsys):

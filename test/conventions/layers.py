@@ -278,6 +278,7 @@ EXCEPTIONS = {
     'geometry/meshes/_3mf_file.py': 'trimesh',
     'geometry/meshes/_vtk_file.py': 'meshio',
     'geometry/visualizer/drake_visualizer.py': 'lcm',
+    'scene_files/sdf_heightmaps.py': 'PIL',
 }
 
 

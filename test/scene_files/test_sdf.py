@@ -468,10 +468,7 @@ def shaped(shape):
             ),
             r'lower = 1 is above upper = 0',
         ),
-        (
-            shaped('<heightmap/>'),
-            r'<heightmap> is not read; simulators scale .* height_field of a scene file',
-        ),
+        (shaped('<heightmap/>'), r'<heightmap> has no <uri>'),
         (shaped('<polyline/>'), r'<polyline> has no <height>'),
         (
             shaped('<polyline><point>0 0</point><height>1</height></polyline>'),

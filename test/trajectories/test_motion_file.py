@@ -1,4 +1,5 @@
 import dataclasses
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from oracles import panda
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.scene_files.description import (
+    CliqueDescription,
     FrameDescription,
     RobotDescription,
     SceneDescription,
@@ -141,10 +143,18 @@ def test_a_urdf_that_is_no_tree_is_left_out_by_name(tmp_path):
     assert 'one tree' in motion.left_out['odd']
 
 
-def test_adjacent_links_are_those_of_the_joints():
-    pairs = adjacent_links(SCENE)
-    assert len(pairs) == 12
+def test_adjacent_links_are_those_that_loading_filters():
+    scene = read_scene(f'robots:\n- {{name: left, urdf: {panda.URDF}}}')
+    pairs = adjacent_links(scene)
     assert ('left::panda_link3', 'left::panda_link4') in pairs
+    assert ('left::panda_link7', 'left::panda_hand') in pairs  # across a bare flange
+    cliques = [entry for entry in scene.filters if isinstance(entry, CliqueDescription)]
+    filtered = {
+        (f'{a.source}::{a.frame}', f'{b.source}::{b.frame}')
+        for clique in cliques
+        for a, b in combinations(clique.members, 2)
+    }
+    assert set(pairs) == filtered
 
 
 def test_names_with_colons_are_looked_up_whole_or_refused(tmp_path):
