@@ -10,7 +10,7 @@ from html import escape
 
 import numpy as np
 
-from drake_geom_ros.geometry import HalfSpace
+from drake_geom_ros.viewing.extents import extent_of
 from drake_geom_ros.viewing.joint_sliders import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.answer_panel import AnswerPanel
@@ -183,14 +183,9 @@ class Page:
         viser moves the views of new browsers, and of those that wait for contents. For others it
         changes only the target of "reset view", since their users may have moved the view.
         """
-        rows = [
-            moment.geometries.row_of(look.geometry.get_value())
-            for look in moment.geometries.looks
-            if not isinstance(look.shape, HalfSpace)
-        ]
-        if rows:
-            p_WGs = moment.p_WGs[rows]
-            low, high = p_WGs.min(axis=0), p_WGs.max(axis=0)
+        extent = extent_of(moment)
+        if extent is not None:
+            low, high = extent
             middle, size = (low + high) / 2.0, float(np.linalg.norm(high - low))
             camera = self._server.initial_camera
             # A browser moves its view once, by the first message, so send both in one.
