@@ -22,7 +22,7 @@ from drake_geom_ros.proximity_rules.rule import (
     scale_points,
     stopping_points,
 )
-from drake_geom_ros.proximity_rules.unseen_bodies import unseen_of_groups
+from drake_geom_ros.proximity_rules.unseen_bodies import unseen_of_groups, unseen_of_rule
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedKinds, WatchedPairs
 
 __all__ = [
@@ -45,4 +45,5 @@ __all__ = [
     'scale_points',
     'stopping_points',
     'unseen_of_groups',
+    'unseen_of_rule',
 ]

@@ -31,6 +31,24 @@ def unseen_of_groups(watched: WatchedPairs, bodies: UnseenBodies) -> dict[int, F
     return unseen
 
 
+def unseen_of_rule(
+    watched: WatchedPairs, bodies: UnseenBodies, rule: int
+) -> list[tuple[int, int]]:
+    """Return the bodies that none of a rule's maps sees, each with one of these, by their ids."""
+    group = int(watched.groups[rule])
+    flags = unseen_of_groups(watched, bodies).get(group, np.zeros(0, dtype=np.bool_))
+    return [
+        (int(watched.ids[body]), int(watched.ids[_map_about(watched, bodies, group, body)]))
+        for body in np.flatnonzero(flags).tolist()
+    ]
+
+
+def _map_about(watched: WatchedPairs, bodies: UnseenBodies, group: int, body: int) -> int:
+    """Return the row of a map that a group watches with a body."""
+    watches = watched.watches(group, bodies.maps, np.array([body]))[:, 0]
+    return int(bodies.maps[np.flatnonzero(watches & bodies.is_reported[:, body])[0]])
+
+
 def with_unseen_bodies(
     watched: WatchedPairs, measured: Measured, nearest: NearestPairs
 ) -> tuple[Measured, NearestPairs]:
@@ -45,8 +63,7 @@ def with_unseen_bodies(
     ids = []
     for number, (group, flags) in enumerate(unseen.items()):
         body = int(np.flatnonzero(flags)[0])
-        watches = watched.watches(group, bodies.maps, np.array([body]))[:, 0]
-        its_map = bodies.maps[np.flatnonzero(watches & bodies.is_reported[:, body])[0]]
+        its_map = _map_about(watched, bodies, group, body)
         ids.append(sorted((int(watched.ids[body]), int(watched.ids[its_map]))))
         nearest.lowest[group] = -np.inf
         nearest.lowest_pair[group] = len(measured.id_A) + number

@@ -5,15 +5,17 @@ meanwhile. Nothing here has a safety rating.
 """
 
 from drake_geom_ros.stopping.braking import Braking, BrakingError, StopCategory
-from drake_geom_ros.stopping.prepared_question import RESOLUTION
 from drake_geom_ros.stopping.robots import Robot, RobotState, robots_of
-from drake_geom_ros.stopping.stop import Stop, StoppingQuestion
+from drake_geom_ros.stopping.stop import RESOLUTION, Stop, StoppingQuestion
 from drake_geom_ros.stopping.stopping_check import StoppingCheck
+from drake_geom_ros.stopping.unmapped import FindUnmapped, Unmapped
 
 __all__ = [
     'RESOLUTION',
+    'Unmapped',
     'Braking',
     'BrakingError',
+    'FindUnmapped',
     'Robot',
     'RobotState',
     'Stop',

@@ -3,108 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from drake_geom_ros.geometry.queries.joint_motions import JointMotions
 from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointKind
-from drake_geom_ros.geometry.queries.motion_queries import MotionAnswer, MotionQuestion
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 from drake_geom_ros.stopping.braking import StopCategory
-from drake_geom_ros.stopping.robots import BrakedJoints, Columns, RobotState, arc_deviation
-from drake_geom_ros.stopping.stop import FREE, Stop, StoppingQuestion, unproved, worse
+from drake_geom_ros.stopping.moving_pairs import Moment, MovingPairs
+from drake_geom_ros.stopping.robots import BrakedJoints, Columns, arc_deviation
+from drake_geom_ros.stopping.stop import (
+    FREE,
+    Stop,
+    StoppingQuestion,
+    unproved,
+    worse,
+)
 from drake_geom_ros.stopping.stop_paths import (
-    StopPath,
     StopProfile,
     boxes_over_shares,
     joined,
     path_over_shares,
     path_over_time,
 )
+from drake_geom_ros.stopping.travel import BodyTravel
+from drake_geom_ros.stopping.unmapped import Unmapped, stop_before
 
-RESOLUTION = 0.02  # [-] of the scale
 _FINER = 4  # parts of an edge of boxes that is not proved, in the second look at it
-
-
-class Moment(NamedTuple):
-    """Values, speeds and ages at a moment."""
-
-    values: Floats  # (c,)
-    velocities: Floats
-    states: tuple[RobotState, ...]
-    chain: JointChain
-    ages: Floats  # (n,) [s] of geometries
-    delay: float  # [s]
-    R_PFs: Floats
-    p_PFs: Floats
-    unplaced: Flags  # (n,)
-
-
-class _Pairs:
-    """Pairs of a question, with queries about them."""
-
-    def __init__(
-        self, motions: JointMotions, pairs: Indices, relative: Flags, can_move: Flags, speed: float
-    ) -> None:
-        self.pairs, self.used = pairs, np.unique(pairs)
-        self._bits = np.packbits(relative, axis=1)
-        self._speeds = np.where(can_move, speed, 0.0)
-        self._of_pairs: Floats = self._speeds[pairs].sum(axis=1)
-        self.queries, self._ids = motions.queries(pairs), motions.ids
-        self._chain: JointChain | None = None
-
-    def moved_by(self, columns: Flags) -> Flags:
-        """Return which pairs (k,) move relative to each other with some columns (c,)."""
-        return np.asarray((self._bits & np.packbits(columns)).any(axis=1))
-
-    def be_at(self, moment: Moment) -> None:
-        """Pose all bodies, and let those that may move come nearer since they were measured."""
-        if self._chain is not moment.chain:
-            self.queries.drive_by(moment.chain)
-            self._chain = moment.chain
-        self.queries.stand(moment.R_PFs, moment.p_PFs)
-        since = np.zeros(len(self.pairs))
-        if moment.ages.any():
-            ways = np.where(self._speeds > 0.0, moment.ages, 0.0) * self._speeds
-            since = ways[self.pairs].sum(axis=1)
-        self.queries.approach(self._of_pairs, since)
-
-    def follow(self, way: StopPath, asked: Flags, margin: float, most: int) -> MotionAnswer:
-        """Return the answer about a path and the ``asked`` pairs (k,)."""
-        widest = float(np.diff(way.reached).max(initial=0.0)) or 1.0
-        question = MotionQuestion(
-            min_distance=margin,
-            time_tolerance=0.5 * RESOLUTION / widest,
-            max_evaluations=most,
-            quick=True,
-        )
-        return self.queries.follow(question, way.path, skipped=~asked)
-
-    def stop(self, way: StopPath, answer: MotionAnswer, asked: Flags, most: int) -> Stop:
-        """Return the answer about a path over shares."""
-        is_proved, end = answer.outcome == 'clear', float(way.reached[-1])
-        looked = int(np.count_nonzero(self.queries.examined() & asked))
-        places = (answer.a, answer.b) if answer.a >= 0 else ()
-        id_A, id_B = [int(self._ids[place]) for place in places] or (0, 0)
-        spent = not is_proved and 0 < most <= answer.evaluations
-        return Stop(
-            clear=is_proved and end >= 1.0,
-            scale=end if is_proved else way.at(answer.times[0]),
-            id_A=id_A,
-            id_B=id_B,
-            distance=answer.distance,
-            error_bound=answer.error_bound,
-            p_WCa=answer.p_WCa,
-            p_WCb=answer.p_WCb,
-            least_clearance=answer.lower_bound if is_proved else -math.inf,
-            contact_time=math.inf if is_proved else 0.0,
-            pairs=looked,
-            far_pairs=int(np.count_nonzero(asked)) - looked,
-            evaluations=answer.evaluations,
-            trouble='max_evaluations were used up before it was proved' if spent else '',
-        )
 
 
 class PreparedQuestion:
@@ -133,7 +59,7 @@ class PreparedQuestion:
                 'no geometry of set_a is moved by the joints that brake; it must hold links of '
                 'a robot whose joints are in joint_names'
             )
-        self._moving_a = np.flatnonzero(moved)
+        self._moving_a: Flags = moved
         loose = ~braked_by_any  # columns that nobody brakes
         self._loose_a: Flags = moved_by[in_a].any(axis=0) & loose
         can_move = motions.can_move | moved_by[:, loose & ~self._loose_a].any(axis=1)
@@ -145,12 +71,16 @@ class PreparedQuestion:
         self._others: Flags = braked_by_any & ~self._own & self._moves_pairs
         shared: Flags = np.asarray(relative[:, self._others].any(axis=1))
         self._alone, self._shared = (
-            _Pairs(motions, pairs[some], relative[some], can_move, question.max_speed)
+            MovingPairs(motions, pairs[some], relative[some], can_move, question.max_speed)
             for some in (matters & ~shared, matters & shared)
         )
         halves = motions.relative(_considered(motions.half_spaces, in_a, in_b))
         self._has_half_spaces = bool(halves[:, self._own].any())
-        self._levers: Floats | None = None
+        self._ids, self._in_a, self._in_b = ids, in_a, in_b
+        self._moved_by = moved_by
+        self._speeds: Floats = np.where(can_move, question.max_speed, 0.0)
+        self._travel = BodyTravel(self._alone.queries, columns)
+        self._profiled: tuple[Moment, StopProfile | None] | None = None
 
     def stop(self, moment: Moment, every: Sequence[PreparedQuestion], most: int) -> Stop:
         """Return the answer at a moment; ``every`` are all questions."""
@@ -174,10 +104,56 @@ class PreparedQuestion:
             answer = self._along_path if along and not independent.any() else self._in_boxes
             together = joined(profile, others)
             stop = worse(stop, answer(self._shared, moment, together, asked, most))
-        return self._measured(stop, profile, moment)
+        return stop
+
+    def reach(self, moment: Moment) -> float:
+        """Return the distance [m] from which on nothing beside a body can matter to a stop."""
+        profile = self.profile(moment)
+        if profile is None or not profile.velocities.any():
+            return 0.0
+        goes = self._travel.of(moment.chain, moment.values, profile, profile.fastest)
+        comes = self._comes(moment, profile.duration_at(profile.fastest))
+        moved = self._moved_by[:, self._own].any(axis=1)
+        return float(goes[moved].max() + comes.max() + self.question.margin)
+
+    def held_against(self, unmapped: Sequence[Unmapped], stop: Stop, moment: Moment) -> Stop:
+        """Return an answer that holds against what is beside the bodies that brake, too."""
+        profile = None if math.isinf(stop.stopping_time) else self.profile(moment)
+        if profile is None:
+            return stop
+        moving = self._own & (profile.velocities != 0.0)
+        for each in unmapped:
+            body, other = np.searchsorted(self._ids, (each.body, each.other)).tolist()
+            asked = _considered(np.array([(body, other)]), self._in_a, self._in_b)
+            if len(asked) and self._moved_by[body, moving].any():
+                needed, margin = self._needed(moment, profile, body, other), self.question.margin
+                stop = worse(stop, stop_before(each, needed, margin, profile.fastest))
+        return stop
+
+    def _needed(
+        self, moment: Moment, profile: StopProfile, body: int, other: int
+    ) -> Callable[[float], float]:
+        """Return the distance [m] of now that two geometries need, by the share of the speed."""
+
+        def needed(share: float) -> float:
+            goes = self._travel.of(moment.chain, moment.values, profile, share)[body]
+            comes = self._comes(moment, profile.duration_at(share))[other]
+            return float(goes + comes + self.question.margin)
+
+        return needed
+
+    def _comes(self, moment: Moment, seconds: float) -> Floats:
+        """Return how far (n,) [m] geometries may come nearer by themselves, in so many seconds."""
+        since = np.where(self._speeds > 0.0, moment.ages, 0.0)
+        return np.asarray(self._speeds * (since + seconds))
 
     def profile(self, moment: Moment) -> StopProfile | None:
         """Return how the columns of this question brake; None where no one knows how they move."""
+        if self._profiled is None or self._profiled[0] is not moment:
+            self._profiled = moment, self._profile(moment)
+        return self._profiled[1]
+
+    def _profile(self, moment: Moment) -> StopProfile | None:
         velocities = self._braked.velocities(moment.states)
         if self.never or np.isnan(velocities).any():
             return None
@@ -281,7 +257,7 @@ class PreparedQuestion:
         return together._replace(velocities=np.where(self._others, together.velocities, 0.0))
 
     def _along_path(
-        self, pairs: _Pairs, moment: Moment, profile: StopProfile, asked: Flags, most: int
+        self, pairs: MovingPairs, moment: Moment, profile: StopProfile, asked: Flags, most: int
     ) -> Stop:
         """Return the answer about pairs (k,) whose columns brake along their path."""
         margin, way = self.question.margin, path_over_shares(moment.values, profile)
@@ -297,7 +273,7 @@ class PreparedQuestion:
         return stop._replace(clear=True, least_clearance=answer.lower_bound, contact_time=math.inf)
 
     def _in_boxes(
-        self, pairs: _Pairs, moment: Moment, profile: StopProfile, asked: Flags, most: int
+        self, pairs: MovingPairs, moment: Moment, profile: StopProfile, asked: Flags, most: int
     ) -> Stop:
         """Return the answer about pairs (k,) whose columns stop each by itself.
 
@@ -315,8 +291,11 @@ class PreparedQuestion:
             return stop
         return second._replace(clear=False, least_clearance=-math.inf, contact_time=0.0)
 
-    def _measured(self, stop: Stop, profile: StopProfile, moment: Moment) -> Stop:
-        """Return an answer with the times, ways and speeds of a profile."""
+    def measured(self, stop: Stop, moment: Moment) -> Stop:
+        """Return an answer with the times, ways and speeds of its stop."""
+        profile = self.profile(moment)
+        if profile is None or math.isinf(stop.stopping_time):
+            return stop
         speeds = np.abs(profile.velocities)
         age = float(profile.ages.max(initial=0.0))
         oldest = max(float(moment.ages[self._alone.used].max(initial=0.0)), age)
@@ -324,13 +303,14 @@ class PreparedQuestion:
         stop = stop._replace(reaction_time=reaction, oldest_pose_age=oldest)
         if not speeds.any():
             return stop
-        travel = np.abs(profile.travel(profile.fastest))
-        levers = self._levers_of(moment, travel)
-        turns = (stop.scale * speeds * _turns(moment.chain, speeds.size)).max(initial=0.0)
+        chain, values, moving = moment.chain, moment.values, self._moving_a
+        goes = self._travel.of(chain, values, profile, profile.fastest)
+        runs = self._travel.speeds(chain, values, profile, stop.scale)
+        turns = (stop.scale * speeds * _turns(chain, speeds.size)).max(initial=0.0)
         stop = stop._replace(
             stopping_time=profile.duration_at(profile.fastest),
-            stopping_distance=float((levers @ travel).max(initial=0.0)),
-            linear=float((levers @ (stop.scale * speeds)).max(initial=0.0)),
+            stopping_distance=float(goes[moving].max(initial=0.0)),
+            linear=float(runs[moving].max(initial=0.0)),
             angular=float(turns),
         )
         if profile.fastest >= 1.0:
@@ -345,19 +325,6 @@ class PreparedQuestion:
             or 'it is faster than stopping_times say, and nothing is known beyond; measure it at '
             'higher speeds',
         )
-
-    def _levers_of(self, moment: Moment, travel: Floats) -> Floats:
-        """Return how far (b, c) [m] bodies of set_a go for each column's unit of motion."""
-        chain = moment.chain
-        depends = bool((chain.kinds == JointKind.PRISMATIC).any()) or max(self._columns.bases) >= 0
-        if self._levers is None or depends:
-            pairs = self._alone if len(self._alone.pairs) else self._shared
-            if not len(pairs.pairs):
-                return np.zeros((0, len(moment.values)))
-            pairs.queries.drive_by(chain)
-            sizes = np.abs(np.nan_to_num(moment.values)) + travel
-            self._levers = pairs.queries.levers(self._moving_a, sizes)
-        return self._levers
 
 
 def _considered(pairs: Indices, in_a: Flags, in_b: Flags) -> Indices:

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.stopping.braking import Braking
 
+RESOLUTION = 0.02  # [-] of the scale
 _NOWHERE = np.full(3, np.nan)
 
 

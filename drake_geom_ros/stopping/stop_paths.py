@@ -146,6 +146,18 @@ def path_over_time(values: Floats, profile: StopProfile) -> StopPath:
     return StopPath(_path(edges, times), np.array(times))
 
 
+def unit_path(sizes: Floats) -> JointPath:
+    """Return a path with an edge for each column (c,), on which that one moves at the rate 1.
+
+    Values are no larger than ``sizes`` (c,) on it.
+    """
+    count = len(sizes)
+    curves = np.zeros((count, 9, count))
+    curves[:, 5] = np.eye(count)
+    curves[:, 7] = sizes
+    return JointPath(np.zeros((count + 1, count)), curves, np.arange(count + 1.0))
+
+
 def joined(profile: StopProfile, other: StopProfile) -> StopProfile:
     """Return the profile of the columns that move in one of two profiles, each by its own."""
     is_other = other.velocities != 0.0

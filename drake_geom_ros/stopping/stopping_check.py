@@ -18,9 +18,11 @@ from drake_geom_ros.geometry.queries.joint_motions import JointMotions
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.math.array_types import Indices
 from drake_geom_ros.stopping.braking import BrakingError
-from drake_geom_ros.stopping.prepared_question import Moment, PreparedQuestion
+from drake_geom_ros.stopping.moving_pairs import Moment
+from drake_geom_ros.stopping.prepared_question import PreparedQuestion
 from drake_geom_ros.stopping.robots import BrakedJoints, Columns, Robot, RobotState, braked_joints
 from drake_geom_ros.stopping.stop import Stop, StoppingQuestion
+from drake_geom_ros.stopping.unmapped import FindUnmapped
 
 EVALUATIONS = 400  # pairs that kernels answer at most for one path, by default
 
@@ -71,13 +73,18 @@ class StoppingCheck:
         return self._motions.ids
 
     def stops(
-        self, states: Sequence[RobotState], ages: ArrayLike = 0.0, delay: float = 0.0
+        self,
+        states: Sequence[RobotState],
+        ages: ArrayLike = 0.0,
+        delay: float = 0.0,
+        find_unmapped: FindUnmapped | None = None,
     ) -> list[Stop]:
         """Return the answer to each question, for robots in ``states`` and bodies as posed now.
 
         ``ages`` [s] are those of the poses of geometries, one number or (n,) in the order of
         ``ids``. ``delay`` [s] is what passes until a scale reaches the robot; it and the age of a
-        robot's state count as reaction time.
+        robot's state count as reaction time. ``find_unmapped`` returns what else is near; it is
+        called once, with the distance [m] from which on nothing can matter.
         """
         if not self._motions.is_of_now(self._context):
             self._prepare()
@@ -92,7 +99,17 @@ class StoppingCheck:
             *self._motions.poses(),
             self._motions.unplaced(),
         )
-        return [prepared.stop(moment, self._prepared, self._most) for prepared in self._prepared]
+        stops = [each.stop(moment, self._prepared, self._most) for each in self._prepared]
+        if find_unmapped is not None:
+            reach = max(each.reach(moment) for each in self._prepared)
+            unmapped = find_unmapped(reach)
+            stops = [
+                each.held_against(near, stop, moment)
+                for each, stop, near in zip(self._prepared, stops, unmapped, strict=True)
+            ]
+        return [
+            each.measured(stop, moment) for each, stop in zip(self._prepared, stops, strict=True)
+        ]
 
     def _prepare(self) -> None:
         braked = [self._braked(question) for question in self._questions]

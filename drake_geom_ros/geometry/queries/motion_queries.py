@@ -173,14 +173,6 @@ class MotionQueries:
         """
         self._loops.approach(speeds, approached)
 
-    def levers(self, places: Indices, sizes: Floats) -> Floats:
-        """Return bounds (b, c) [m] of how far points move for each column's unit of motion.
-
-        In the world, for the bodies (b,) of geometries that move together, by ``places``, while
-        joint values are no larger than ``sizes`` (c,).
-        """
-        return self._loops.levers(places, sizes)
-
     def examined(self) -> Booleans:
         """Return the mask (k,) of pairs that the last answer had to look at, beyond boxes."""
         return self._loops.examined.copy()

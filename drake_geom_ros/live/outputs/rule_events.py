@@ -22,6 +22,7 @@ from drake_geom_ros.live.outputs.effects import Beside
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.rule_states import fill_rule_states
 from drake_geom_ros.live.scene.scene_rules import Twists
+from drake_geom_ros.live.scene.stops_beside_sensors import Sensed
 from drake_geom_ros.proximity_rules import Event, ProximityRule
 from drake_geom_ros.stopping import Stop
 
@@ -160,7 +161,8 @@ class RuleEvents:
         else:
             delay = self._period
         self._decided = now
-        return scene.stopping.stops(twists, self._settings().stale_after, delay)
+        sensed = Sensed(scene.maps.shells(), scene.maps.sights())
+        return scene.stopping.stops(twists, self._settings().stale_after, delay, sensed)
 
     def forget(self) -> None:
         """Publish the states anew, for subscribers that received nothing meanwhile."""

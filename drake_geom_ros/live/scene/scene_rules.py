@@ -43,6 +43,7 @@ from drake_geom_ros.proximity_rules import (
     RuleStates,
     ScaleOfRobot,
     ScenePairs,
+    UnseenBodies,
     WatchedPairs,
     unseen_of_groups,
 )
@@ -334,9 +335,7 @@ class SceneRules:
         if shells:
             measured = with_shells(measured, query, shells, self._pairs, farthest)
         if sights:
-            balls = self._balls_of(query, sights)
-            bodies = unseen_bodies(query, balls, sights, self._pairs)
-            measured = measured._replace(unseen=bodies)
+            measured = measured._replace(unseen=self.unseen_bodies(query, sights))
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             known = np.array([frame.get_value() for frame in twists], dtype=np.int64)
             lost = ~np.isin(self._frames, known)
@@ -347,8 +346,7 @@ class SceneRules:
     def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
         """Return which bodies no sensor of the maps of a rule can see, in words."""
         watched = self._monitor.watched
-        bodies = unseen_bodies(query, self._balls_of(query, sights), sights, self._pairs)
-        unseen = unseen_of_groups(watched, bodies)
+        unseen = unseen_of_groups(watched, self.unseen_bodies(query, sights))
         if not unseen:
             return ''
         rows = np.flatnonzero(np.logical_or.reduce(list(unseen.values()))).tolist()
@@ -361,11 +359,12 @@ class SceneRules:
             'and these rules are entered'
         )
 
-    def _balls_of(self, query: QueryObject, sights: Sequence[MapSights]) -> Balls:
+    def unseen_bodies(self, query: QueryObject, sights: Sequence[MapSights]) -> UnseenBodies:
+        """Return which bodies the sensors of each map can see, by the rows of ``pairs``."""
         if self._balls is None:
             maps = [its_map for its_map, _ in sights]
             self._balls = Balls.around(query.inspector(), self._pairs, self._frames, maps)
-        return self._balls
+        return unseen_bodies(query, self._balls, sights, self._pairs)
 
     def wait(self, now: float, unreliable: Blind, stops: Mapping[str, Stop] | None = None) -> None:
         """Decide [s] where nothing moved since, and only time went on."""
@@ -384,6 +383,11 @@ class SceneRules:
         events = self._monitor.decide(now, poses, measured, farthest, stops)
         self._happened += events
         self.revision += len(events) + self._monitor.changes_of_state - changes
+
+    @property
+    def pairs(self) -> ScenePairs:
+        """The geometries and pairs that rules are about."""
+        return self._pairs
 
     @property
     def watched(self) -> WatchedPairs:

@@ -16,11 +16,13 @@ from drake_geom_ros.live.scene.driven_robot import Base, DrivenRobot
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
 from drake_geom_ros.live.scene.scene_rules import SceneRules, Twists
+from drake_geom_ros.live.scene.stops_beside_sensors import Sensed, finding_unmapped
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import Level, ProximityRule, RuleError
 from drake_geom_ros.stopping import (
     BrakingError,
+    FindUnmapped,
     Robot,
     RobotState,
     Stop,
@@ -50,6 +52,13 @@ class _Asked(NamedTuple):
     states: list[RobotState]
     ages: Floats
     delay: float
+    find_unmapped: FindUnmapped | None
+
+    def answers(self, states: Sequence[RobotState]) -> dict[str, Stop]:
+        """Return the answer about each rule, by its name, for robots in other ``states``."""
+        check, rules = self.prepared.check, self.prepared.rules
+        stops = check.stops(states, self.ages, self.delay, self.find_unmapped)
+        return {rule.name: stop for rule, stop in zip(rules, stops, strict=True)}
 
 
 class SceneStopping:
@@ -61,12 +70,13 @@ class SceneStopping:
         self._asked: _Asked | None = None  # by the last decision
 
     def stops(
-        self, twists: Twists | None, stale_after: float, delay: float
+        self, twists: Twists | None, stale_after: float, delay: float, sensed: Sensed
     ) -> dict[str, Stop] | None:
         """Return the answer for each rule of level STOPPABLE by its name; None: there is none.
 
         ``twists`` V_WF (6,) of now are by frame; ``delay`` [s] passes until the next decision.
-        Joint values older than ``stale_after`` [s] prove nothing. The rules are bound already.
+        Joint values older than ``stale_after`` [s] prove nothing. ``sensed`` is what maps lack.
+        The rules are bound already.
         """
         rules = tuple(rule for rule in self._rules.rules if rule.level == Level.STOPPABLE)
         if not rules:
@@ -76,9 +86,9 @@ class SceneStopping:
         prepared = self._prepared_for(rules, robots)
         states = self._states(robots, twists or {}, stale_after)
         ages = self._ages(prepared.check.ids, robots)
-        self._asked = _Asked(prepared, states, ages, delay)
-        answers = prepared.check.stops(states, ages, delay)
-        return {rule.name: stop for rule, stop in zip(rules, answers, strict=True)}
+        unmapped = finding_unmapped(self._rules, self._model.query, rules, sensed)
+        self._asked = _Asked(prepared, states, ages, delay, unmapped)
+        return self._asked.answers(states)
 
     def commanded(self, robot: str, command: Floats) -> dict[str, Stop] | None:
         """Return the answers of the last decision for a base that goes as it is commanded.
@@ -89,18 +99,15 @@ class SceneStopping:
         """
         if self._asked is None:
             return None
-        prepared, states, ages, delay = self._asked
-        names = [driven.name for driven in prepared.robots]
+        names = [driven.name for driven in self._asked.prepared.robots]
         called = [fnmatchcase(name, robot) for name in names]
         if not any(called):
             return None
         states = [
             state._replace(V_PB=_in_parent(state, command)) if is_it else state
-            for state, is_it in zip(states, called, strict=True)
+            for state, is_it in zip(self._asked.states, called, strict=True)
         ]
-        answers = prepared.check.stops(states, ages, delay)
-        rules = [rule.name for rule in prepared.rules]
-        return dict(zip(rules, answers, strict=True))
+        return self._asked.answers(states)
 
     def refuse(self, rule: ProximityRule) -> None:
         """Raise RuleError for a rule whose braking names what is not in the scene."""

@@ -87,7 +87,7 @@ def with_shells(
     Such a distance counts as one from the map, within ``farthest`` [m]; of ``pairs`` those that
     are reported.
     """
-    rows = [row for row in (_rows(query, *each, pairs, farthest) for each in shells) if row]
+    rows = [row for each in shells if (row := rows_beside(query, *each, pairs, farthest))]
     if not rows:  # as in most cycles
         return measured
     columns = zip(measured[:6], *rows, strict=True)
@@ -108,7 +108,7 @@ def with_shells(
     )
 
 
-def _rows(
+def rows_beside(
     query: QueryObject, its_map: GeometryId, shell: SeenShell, pairs: ScenePairs, farthest: float
 ) -> tuple[NDArray[Any], ...]:
     """Return ids, distances, bounds and nearest points of bodies and a shell, a row a body."""

@@ -57,11 +57,8 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, Pa
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, moved_together
-from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE, ROUNDED_UP
+from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE
 from drake_geom_ros.geometry._proximity.world.joint_poses import (
-    FIXED,
-    PRISMATIC,
-    REVOLUTE,
     JointChain,
 )
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
@@ -151,34 +148,6 @@ class MotionLoops:
         arrays.approaches[:], arrays.approached[:] = speeds, approached
         most = speeds.max(initial=0.0), approached.max(initial=0.0)
         arrays.parameters[[MOST_APPROACH, MOST_APPROACHED]] = most
-
-    def levers(self, places: Indices, sizes: Floats) -> Floats:
-        """Return bounds (b, c) [m] of how far points move for each column's unit of motion.
-
-        In World, for the nodes (b,) that carry some geometries, given by ``places``, while values
-        are no larger than ``sizes`` (c,).
-        """
-        arrays, offsets = self._arrays, self._arrays.nodes[:, OFFSET].copy()
-        led = arrays.leaders >= 0
-        lengths = np.linalg.norm(arrays.X_PJs[:, :3], axis=1)
-        rates = np.where(led, np.abs(arrays.multipliers), 0.0)
-        slides = np.abs(arrays.offsets) + rates * sizes[arrays.leaders]
-        nodes = 1 + arrays.children
-        offsets[nodes] = lengths + np.where(arrays.kinds == PRISMATIC, slides, 0.0)
-        on, reaches = arrays.on[places], arrays.reaches[places]
-        joints = {node: j for j, node in enumerate(nodes.tolist())}
-        bodies = np.unique(on)
-        levers = np.zeros((len(bodies), len(sizes)))
-        for row, body in enumerate(bodies.tolist()):
-            node, reach = body, float(reaches[on == body].max())
-            while node:
-                j = joints.get(node, -1)
-                if j >= 0 and arrays.kinds[j] != FIXED and led[j]:
-                    lever = reach if arrays.kinds[j] == REVOLUTE else 1.0
-                    levers[row, arrays.leaders[j]] += lever * abs(arrays.multipliers[j])
-                reach += offsets[node]
-                node = int(arrays.parents[node])
-        return levers * ROUNDED_UP
 
     def ask(
         self,
