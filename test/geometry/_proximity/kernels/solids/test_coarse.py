@@ -61,7 +61,7 @@ def check_rows(a, b, scale):
     exact = row_to(a, b, 0.0)
     size = a.radius + b.radius + np.linalg.norm(b.p - a.p)
     rounding = 1e-13 * size
-    # [m] A direction is known as well as the distance is along it, and so are the points across it.
+    # [m] A direction is as good as the distance along it, and so are the points across it.
     across = math.sqrt(2.0 * max(exact[DISTANCE], 0.0) * exact[ERROR_BOUND])
     widest = math.inf
     for accuracy in scale * np.array(ACCURACIES):
