@@ -47,7 +47,7 @@ def test_a_page_shows_it_as_it_counts_and_from_outside(options, triangles):
         np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], CORNERS)
         camera = page._server.initial_camera
         middle = CORNERS.mean(axis=0)
-        np.testing.assert_allclose(camera.look_at, middle, atol=1e-6)
+        np.testing.assert_allclose(camera.look_at, middle, rtol=0, atol=1e-6)
         diagonal = np.linalg.norm(CORNERS[1] - CORNERS[0])
         assert np.linalg.norm(camera.position - middle) > diagonal
     finally:
