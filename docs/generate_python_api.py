@@ -20,7 +20,7 @@ MODULES = (
     *('scene_files', 'trajectories', 'batch', 'optimization'),
     *('proximity_rules', 'stopping', 'recordings'),
     *('client', 'common'),
-    *('common.value', 'common.eigen_geometry', 'viewing.notebook'),
+    *('common.value', 'common.eigen_geometry', 'viewing.notebook', 'viewing.meshcat'),
 )
 _SECTIONS = ('Args:', 'Returns:', 'Raises:', 'Yields:')
 _INTRODUCTION = """# The Python API

@@ -50,6 +50,9 @@ make_other_venv() {
   "$other_python" -m venv "$other_venv"
   "$uv" pip install --python "$other_venv/bin/python" $(index_of_pip) \
     --resolution "$other_versions" -e "$root[test]"
+  [[ $other_versions != highest ]] || # whose names are compared with the record
+    "$uv" pip install --python "$other_venv/bin/python" $(index_of_pip) --only-binary :all: drake ||
+    echo 'no pydrake for this Python'
 }
 
 # test_core VERSION [FILES OF THE TREE]: the quick tests, or these, from an empty folder and

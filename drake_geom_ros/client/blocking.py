@@ -46,6 +46,8 @@ from drake_geom_ros.client.trajectories import TrajectoryState, TrajectoryStates
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
+# A level, a length [m], or empty for that of the node.
+AccuracyLike = Literal['', 'bound', 'fast', 'balanced', 'exact'] | str | float
 _Results = TypeVar('_Results', bound=Results[Any])
 _POLL = 0.01  # [s] between two checks of a condition
 # A server may take a request before it has discovered the client, and then its response is lost.
@@ -174,7 +176,7 @@ class SceneGraphClient:
         self,
         max_distance: float = math.inf,
         poses: Poses | None = None,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> SignedDistances:
@@ -194,7 +196,7 @@ class SceneGraphClient:
         geometry_a: str,
         geometry_b: str,
         poses: Poses | None = None,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         joints: JointValues | None = None,
     ) -> SignedDistance:
         """Return the signed distance of one pair, which must not be filtered."""
@@ -212,7 +214,7 @@ class SceneGraphClient:
     def penetrations(
         self,
         poses: Poses | None = None,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> Penetrations:
@@ -231,7 +233,7 @@ class SceneGraphClient:
         points: ArrayLike,
         threshold: float = math.inf,
         poses: Poses | None = None,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> PointDistances:
@@ -301,7 +303,7 @@ class SceneGraphClient:
         poses: Poses | None = None,
         stop_at_first: bool = False,
         ignore_limits: bool = False,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         progress: Progress | None = None,
         allow_stale: bool = False,
     ) -> States:
@@ -351,7 +353,7 @@ class SceneGraphClient:
         time_tolerance: float = TIME_TOLERANCE,
         interpolation: Literal['', 'slerp', 'screw'] | str = '',
         max_evaluations: int = 0,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
         multi_dof_path: MultiDOFJointTrajectory | None = None,
@@ -426,7 +428,7 @@ class SceneGraphClient:
         profile: str = '',
         deviation_tolerance: float = 0.0,
         time_budget: float = 0.0,
-        accuracy: str | float = '',
+        accuracy: AccuracyLike = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
         ignore_foreign_joints: bool = False,

@@ -334,4 +334,9 @@ __all__ = [
 ]
 
 if not TYPE_CHECKING:  # mypy would take any name for one that is there
-    __getattr__ = refuse_missing(__name__)
+    __getattr__ = refuse_missing(
+        __name__,
+        dict.fromkeys(
+            ('Meshcat', 'MeshcatParams', 'StartMeshcat'), 'drake_geom_ros.viewing.meshcat'
+        ),
+    )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drake_geom_ros.geometry import GeometryError, GeometryId, QueryObject
+from drake_geom_ros.geometry import AccuracyLike, GeometryError, GeometryId, QueryObject
 from drake_geom_ros.live.scene.pose_ages import time_of
 from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.scene_view import SceneView
@@ -92,7 +92,7 @@ def audit(
     *,
     topics: Topics | None = None,
     stale_after: float = 1.0,
-    accuracy: str = 'exact',
+    accuracy: AccuracyLike = 'exact',
     world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
 ) -> Audit:

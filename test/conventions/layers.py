@@ -251,6 +251,10 @@ LAYERS = {
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
         ('numpy', 'viser', 'imageio', 'websockets', 'trimesh', 'PIL'),
     ),
+    'viewing/meshcat': (
+        ('math', 'common', 'geometry', 'viewing', 'viewing/page', 'viewing/meshcat'),
+        ('numpy',),
+    ),
     'recordings': (
         (
             *_HELD,

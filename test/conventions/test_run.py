@@ -550,7 +550,9 @@ def test_the_oldest_python_has_the_oldest_packages_and_the_newest_the_newest(fol
     code, _, errors = shell(folder, script, PATH=path)
     assert code == 0, errors
     asked = (folder / 'asked').read_text().splitlines()
-    oldest, newest = (line for line in asked if line.startswith('pip install'))
+    oldest, newest, drake = (line for line in asked if line.startswith('pip install'))
+    assert 'core-3.13/' in drake
+    assert drake.endswith('--only-binary :all: drake')
     assert 'core-3.10/' in oldest
     assert '--resolution lowest-direct' in oldest
     assert 'core-3.13/' in newest

@@ -104,6 +104,21 @@ def recorded():
     return json.loads(RECORDED.read_text())['modules']
 
 
+def changes(before, after):
+    """Return what names one record has that another lacks: (new, gone), sorted."""
+    every = []
+    for modules in (before, after):
+        names = {f'{module}.{name}' for module, found in modules.items() for name in found}
+        for module, found in modules.items():
+            for name, said in found.items():
+                names |= {
+                    f'{module}.{name}.{method}' for method in said or () if isinstance(said, dict)
+                }
+        every.append(names)
+    old, new = every
+    return sorted(new - old), sorted(old - new)
+
+
 def written(modules, version):
     """Return the text of the record, with a line for each method."""
     lines = [f'{{"version": "{version}", "modules": {{']
