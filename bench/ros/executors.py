@@ -1,10 +1,11 @@
-"""Processor time that a message costs: with the executor of a group, and with rclpy's of events.
+"""Processor time that a message costs: with the executor of a group, and with those of rclpy.
 
     ./run exec python -m bench.ros.executors [--turns 3] [--seconds 2]
 
 A server has as many services as the node and one callback group that answers poses of two arms
 with the same message. It is started anew for each turn; this process sends at a rate, to one
-executor and then to the other. The thread's time counts, from the first message to the last:
+executor after the other: that of a group with a wait set that it keeps, the same with what rclpy
+makes anew, and rclpy's of events. The thread's time counts, from the first message to the last:
 microseconds a message, of each turn.
 
 The events executor (in Kilted; Jazzy has none) knows no guard conditions, which the node's group
@@ -28,7 +29,7 @@ from bench.ros.processes import Processes
 from bench.ros.routes import POSES
 from drake_geom_ros.ros.spinning import GroupExecutor
 
-KINDS = 'group', 'events'
+KINDS = 'group', 'rclpy', 'events'
 SERVICES, FRAMES = 60, 18
 ENTITIES = ('subscriptions', 'timers', 'clients', 'services', 'guards', 'waitables')
 LAST = 'last'  # the source of the message that ends a turn
@@ -47,8 +48,11 @@ class NodeOfGroup:
 
 def executor_of(kind: str, node: Node, group: CallbackGroup) -> Any:
     """Return what serves a group of a node."""
-    if kind == 'group':
-        return GroupExecutor(node, group)
+    if kind != 'events':
+        executor = GroupExecutor(node, group)
+        if kind == 'rclpy':
+            executor._waits = None
+        return executor
     from rclpy.experimental.events_executor import EventsExecutor
 
     executor = EventsExecutor()

@@ -14,14 +14,20 @@ from rclpy.event_handler import EventHandler
 from rclpy.executors import SingleThreadedExecutor
 from ros.harness import environment, run_python
 from std_msgs.msg import Empty
+from std_srvs.srv import Trigger
 
+from drake_geom_ros.ros import spinning
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
 pytestmark = pytest.mark.topics
 
 
-@pytest.fixture
-def node(monkeypatch):
+@pytest.fixture(params=['a wait set that is kept', "rclpy's way"])
+def node(monkeypatch, request):
+    if request.param == "rclpy's way":
+        monkeypatch.setattr(spinning, 'can_keep_wait_sets', lambda: False)
+    else:
+        assert spinning.can_keep_wait_sets(), 'rclpy has changed: today groups cost more'
     for name in ('ROS_AUTOMATIC_DISCOVERY_RANGE', 'ROS_DOMAIN_ID'):
         monkeypatch.setenv(name, environment()[name])
     context = rclpy.Context()
@@ -130,6 +136,76 @@ def test_what_is_made_later_is_served_too(node):
     first = node.create_timer(0.01, make)
     run()
     assert done.done()
+
+
+def test_what_was_closed_is_passed_over_though_somebody_has_it_still(node):
+    group = MutuallyExclusiveCallbackGroup()
+    done, run = spin(node, (group,))
+    closed = node.create_subscription(Empty, 'closed', lambda _: None, 1, callback_group=group)
+    calls = Counter()
+
+    def close():
+        calls['made'] += 1
+        if calls['made'] == 1:
+            node.destroy_subscription(closed)
+        elif calls['made'] == 4:
+            done.set_result(None)
+
+    node.create_timer(0.01, close, callback_group=group)
+    run()
+    assert calls['made'] >= 4
+    assert closed is not None
+
+
+def test_messages_guard_conditions_and_requests_are_served_in_a_group(node):
+    group = MutuallyExclusiveCallbackGroup()
+    done, run = spin(node, (group,))
+    served = []
+
+    def called(name, answer=None):
+        served.append(name)
+        if {'message', 'guard', 'request', 'answer'} <= set(served):
+            done.set_result(None)
+        return answer
+
+    publisher = node.create_publisher(Empty, 'messages', 1)
+    node.create_subscription(
+        Empty, 'messages', lambda _: called('message'), 1, callback_group=group
+    )
+    guard = node.create_guard_condition(lambda: called('guard'), callback_group=group)
+    node.create_service(
+        Trigger, 'asked', lambda _, answer: called('request', answer), callback_group=group
+    )
+    client = node.create_client(Trigger, 'asked', callback_group=group)
+
+    def send():
+        publisher.publish(Empty())
+        guard.trigger()
+        if client.service_is_ready():
+            client.call_async(Trigger.Request()).add_done_callback(lambda _: called('answer'))
+
+    node.create_timer(0.01, send)
+    run()
+    assert done.done()
+
+
+def test_a_callback_that_waits_is_an_error_in_a_thread_that_nobody_else_serves(node):
+    group = MutuallyExclusiveCallbackGroup()
+    done, told = rclpy.Future(), []
+
+    async def wait():
+        await rclpy.Future()
+
+    if not spinning.can_keep_wait_sets():
+        pytest.skip('rclpy goes on with it')
+    node.create_timer(0.01, wait, callback_group=group)
+
+    def failed(error, _):
+        told.append(str(error))
+        done.set_result(None)
+
+    spin_until_stopped(node, StopSignals(), done, (group,), failed)
+    assert 'must not await' in told[0]
 
 
 def test_a_publisher_that_another_thread_closes_between_two_looks_ends_nothing(node, monkeypatch):
