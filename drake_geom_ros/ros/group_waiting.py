@@ -15,6 +15,7 @@ from typing import Any
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client
 from rclpy.exceptions import InvalidHandle
+from rclpy.executors import Executor
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
@@ -39,9 +40,10 @@ _SIZES = 'subscription', 'guard_condition', 'timer', 'client', 'service'  # of a
 
 
 def can_keep_wait_sets() -> bool:
-    """Return whether this rclpy has the wait set that is known here, which is none of its API."""
+    """Return whether this rclpy has inside what is used here, which is none of its API."""
     known = getattr(rclpy_implementation, 'WaitSet', None)
-    return all(hasattr(known, name) for name in _NEEDED)
+    takes = all(hasattr(Executor, f'_take_{kind}') for kind in _ORDER)
+    return takes and all(hasattr(known, name) for name in _NEEDED)
 
 
 class GroupWaitSet:
