@@ -193,8 +193,11 @@ class GroupExecutor(_Executor):
             return
         self._busy_since = time.monotonic()
         try:
-            if kind == 'timer' and not entity.handle.is_timer_ready():
-                return  # it was cancelled
+            if kind == 'timer':
+                with entity.handle:  # another callback may have closed it
+                    is_ready = entity.handle.is_timer_ready()
+                if not is_ready:  # it was cancelled
+                    return
             callback = getattr(self, f'_take_{kind}')(entity)
             if callback is not None:
                 _finish(callback())

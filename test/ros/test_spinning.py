@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from functools import partial
 
 import pytest
 import rclpy
@@ -155,6 +156,22 @@ def test_what_was_closed_is_passed_over_though_somebody_has_it_still(node):
     run()
     assert calls['made'] >= 4
     assert closed is not None
+
+
+def test_a_timer_that_another_one_closes_while_both_are_ready_is_no_error(node):
+    group = MutuallyExclusiveCallbackGroup()
+    done, told, timers = rclpy.Future(), [], {}
+
+    def close(name):
+        if told or len(timers) == 1:
+            done.set_result(None)
+        for other in set(timers) - {name}:
+            node.destroy_timer(timers.pop(other))
+
+    for name in ('a', 'b'):  # both are ready at once
+        timers[name] = node.create_timer(0.0, partial(close, name), callback_group=group)
+    spin_until_stopped(node, StopSignals(), done, (group,), lambda e, _: told.append(str(e)))
+    assert told == []
 
 
 def test_messages_guard_conditions_and_requests_are_served_in_a_group(node):
