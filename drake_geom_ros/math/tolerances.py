@@ -33,6 +33,9 @@ DIRECTION_NORM = 1e-10
 # accepts 1e-6 and rejects 1e-3); rotations made from them are normalised.
 UNIT_NORM = 1e-5
 
+# A component [-] of a unit vector below this is 0 within rounding of the rotation it comes from.
+ZERO_COMPONENT = 1e-9
+
 # Beyond these a mesh probably has another unit than a part of a robot. A part of 10 mm or more is
 # above if millimetres are read as metres; one of up to 1 m is below if it is scaled by 0.001
 # although it is in metres.

@@ -32,7 +32,7 @@ from drake_geom_ros.live.outputs.scene_topic import SceneTopic
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import NamedSource
-from drake_geom_ros.live.services.state_validity import check_state_validity
+from drake_geom_ros.live.services.state_validity import ValidityMessages, check_state_validity
 from drake_geom_ros.live.watching import trajectory_watch
 from drake_geom_ros.live.watching.trajectory_watch import Logs, TrajectoryWatch
 from drake_geom_ros.ros import topics
@@ -286,8 +286,11 @@ class ConfiguredNode:
     def _open_state_validity(self, profile: QoSProfile) -> None:
         """Open the service of MoveIt's type, whose answer has no reason: that is logged."""
         kind = message_class('moveit_msgs/srv/GetStateValidity')
-        new_contact = message_class('moveit_msgs/msg/ContactInformation')
-        handler = partial(check_state_validity, self.live, new_contact)
+        new = ValidityMessages(
+            message_class('moveit_msgs/msg/ContactInformation'),
+            message_class('moveit_msgs/msg/CostSource'),
+        )
+        handler = partial(check_state_validity, self.live, new)
 
         def serve(request: Any, response: Any) -> Any:
             self._guard.take(STATE_VALIDITY, handler, request, response)

@@ -1,5 +1,8 @@
 """The service ``check_state_validity`` with MoveIt's type: contacts of one state of the robots.
 
+Cost sources are those of MoveIt with FCL: of each contact the box that the boxes of both bodies
+along the world's axes have in common, with a density of 1, the largest first.
+
 Its answer has no field for a reason, so that whatever cannot be answered raises, and the state
 counts as invalid.
 """
@@ -9,16 +12,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import IntEnum
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.common.frame_names import full_name
-from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    CalcObb,
+    Convex,
+    FrameId,
+    GeometryId,
+    HalfSpace,
+    Mesh,
+    Sphere,
+)
 from drake_geom_ros.live.conversions.names import shortened, some_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.live.scene.touch_links import carried_frames
+from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.tolerances import ZERO_COMPONENT
 
 
 class _Body(IntEnum):
@@ -29,13 +43,19 @@ class _Body(IntEnum):
     ROBOT_ATTACHED = 2
 
 
-def check_state_validity(
-    live: LiveScene, new_contact: Callable[[], Any], request: Any, response: Any
-) -> None:
-    """Say whether no pair overlaps at joint values, and list the contacts.
+class ValidityMessages(NamedTuple):
+    """What returns an empty ContactInformation, and an empty CostSource."""
 
-    ``new_contact`` returns an empty ContactInformation. Raises ArgumentError for what is not
-    answered, and then ``valid`` stays false.
+    new_contact: Callable[[], Any]
+    new_cost_source: Callable[[], Any]
+
+
+def check_state_validity(
+    live: LiveScene, messages: ValidityMessages, request: Any, response: Any
+) -> None:
+    """Say whether no pair overlaps at joint values, and list the contacts and cost sources.
+
+    Raises ArgumentError for what is not answered, and then ``valid`` stays false.
     """
     _refuse_unread(request)
     state = request.robot_state.joint_state
@@ -52,7 +72,7 @@ def check_state_validity(
     ids = np.column_stack([results.id_A, results.id_B]).tolist()
     group = None if links is None else _frames_of(view, links)
     rows = [k for k, pair in enumerate(ids) if group is None or _is_on(view, pair, group)]
-    contacts = [new_contact() for _ in rows]
+    contacts = [messages.new_contact() for _ in rows]
     for contact, k in zip(contacts, rows, strict=True):
         contact.header.frame_id = view.moment.world_frame
         middle = 0.5 * (results.p_WCa[k] + results.p_WCb[k])
@@ -62,7 +82,66 @@ def check_state_validity(
         contact.contact_body_1, contact.body_type_1 = _body(view, robots, ids[k][0])
         contact.contact_body_2, contact.body_type_2 = _body(view, robots, ids[k][1])
     response.contacts = contacts
+    boxes = [_common_box(view, *map(GeometryId, ids[k])) for k in rows]
+    boxes.sort(key=lambda box: -float(np.prod(box[1] - box[0])))
+    response.cost_sources = [messages.new_cost_source() for _ in boxes]
+    for source, (low, high) in zip(response.cost_sources, boxes, strict=True):
+        source.cost_density = 1.0
+        _fill(source.aabb_min, low)
+        _fill(source.aabb_max, high)
     response.valid = not contacts
+
+
+def _common_box(view: SceneView, id_A: GeometryId, id_B: GeometryId) -> tuple[Floats, Floats]:
+    """Return the corners (3,) [m] of what the boxes of two geometries have in common."""
+    if isinstance(view.query.inspector().GetShape(id_A), HalfSpace):
+        id_A, id_B = id_B, id_A  # two of them have no pair
+    (low, high), padding_B = _box(view, id_A), _padding(view, id_B)
+    if isinstance(view.query.inspector().GetShape(id_B), HalfSpace):
+        X_WB = view.query.X_WG(id_B)
+        normal = X_WB.rotation().matrix()[:, 2]
+        low, high = _below(normal, normal @ X_WB.translation() + padding_B, low, high)
+    else:
+        low_B, high_B = _box(view, id_B)
+        low, high = np.maximum(low, low_B), np.minimum(high, high_B)
+    return low, np.maximum(low, high)  # of bodies that barely touch, within rounding
+
+
+def _below(normal: Floats, offset: float, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Return the corners of the part of a box in the half space of points p, normal.p <= offset.
+
+    On each axis the others are where they leave it the most room.
+    """
+    low, high, lowest = low.copy(), high.copy(), np.minimum(normal * low, normal * high)
+    for k in np.flatnonzero(np.abs(normal) > ZERO_COMPONENT):
+        limit = (offset - (lowest.sum() - lowest[k])) / normal[k]
+        if normal[k] > 0.0:
+            high[k] = min(high[k], limit)
+        else:
+            low[k] = max(low[k], limit)
+    return low, high
+
+
+def _box(view: SceneView, id: GeometryId) -> tuple[Floats, Floats]:
+    """Return the corners of a box in the world around a geometry that ends, with its padding."""
+    shape, X_WG = view.query.inspector().GetShape(id), view.query.X_WG(id)
+    if isinstance(shape, Convex | Mesh):  # of which an oriented box takes milliseconds
+        points = X_WG.multiply(shape.hull_surface()[0].T)
+        low, high = points.min(axis=1), points.max(axis=1)
+    else:
+        obb = CalcObb(shape)
+        assert obb is not None, 'a half space has no box'
+        R_WB = np.eye(3) if isinstance(shape, Sphere) else X_WG.rotation().matrix()
+        centre, half = X_WG.multiply(obb.center()), np.abs(R_WB) @ obb.half_width()
+        low, high = centre - half, centre + half
+    padding = _padding(view, id)
+    return low - padding, high + padding
+
+
+def _padding(view: SceneView, id: GeometryId) -> float:
+    properties = view.query.inspector().GetProximityProperties(id)
+    assert properties is not None, 'it is in a contact'
+    return float(properties.GetPropertyOrDefault('proximity', 'padding', 0.0))
 
 
 def _refuse_unread(request: Any) -> None:

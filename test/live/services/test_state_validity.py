@@ -4,6 +4,8 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from live.inputs.test_joint_input import AT, JOINTS_OF_ARM
 from live.live_scenes import Clock, live_scene
 from live.moveit_messages import REMOVE, attached_object, ball, collision_object, pose
@@ -11,7 +13,7 @@ from live.scene.test_touch_links import SRDF, URDF
 from live.services.test_states import BOUNDS, answer, cell_in
 
 from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
-from drake_geom_ros.live.services.state_validity import check_state_validity
+from drake_geom_ros.live.services.state_validity import ValidityMessages, check_state_validity
 
 
 @pytest.fixture
@@ -19,11 +21,19 @@ def live(tmp_path):
     return live_scene(cell_in(tmp_path, 'adjacent_links: filtered'), Clock(1000.0))
 
 
-def contact():
-    def vector():
-        return Plain(x=0.0, y=0.0, z=0.0)
+def vector():
+    return Plain(x=0.0, y=0.0, z=0.0)
 
+
+def contact():
     return Plain(header=Plain(frame_id=''), position=vector(), normal=vector(), depth=0.0)
+
+
+def cost_source():
+    return Plain(cost_density=0.0, aabb_min=vector(), aabb_max=vector())
+
+
+MESSAGES = ValidityMessages(contact, cost_source)
 
 
 def validity(live, names=(), positions=(), group='', attached=(), constraints=()):
@@ -37,7 +47,7 @@ def validity(live, names=(), positions=(), group='', attached=(), constraints=()
     limits = Plain(**{**lists, 'joint_constraints': list(constraints)})
     request = Plain(robot_state=state, group_name=group, constraints=limits)
     response = Plain(valid=False, contacts=[])
-    check_state_validity(live, contact, request, response)
+    check_state_validity(live, MESSAGES, request, response)
     return response
 
 
@@ -53,6 +63,91 @@ def test_a_state_is_valid_where_batches_call_it_free(live):
         assert each.depth > 0.0
         normal = [each.normal.x, each.normal.y, each.normal.z]
         assert np.linalg.norm(normal) == pytest.approx(1.0)
+
+
+def corners(source):
+    return np.array([[p.x, p.y, p.z] for p in (source.aabb_min, source.aabb_max)])
+
+
+STACK = """
+sources: [cell]
+frames:
+- {name: crate, source: cell, pose: {position: [0, 0, 0.4], rpy: [0, 0, 0.78539816339744831]}}
+geometries:
+- {name: floor, source: cell, shape: {type: half_space}}
+- {name: crate, source: cell, frame: crate, shape: {type: box, size: [1, 1, 1]}}
+- name: ball
+  source: cell
+  frame: crate
+  shape: {type: sphere, radius: 0.25}
+  pose: {position: [5, 0, 0]}
+  roles: {proximity: {proximity: {padding: 0.2}}}
+"""
+
+
+SLOPE = """
+sources: [cell]
+frames: [{{name: crate, source: cell, pose: {{}}}}]
+geometries:
+- name: floor
+  source: cell
+  shape: {{type: half_space}}
+  pose: {{rpy: {rpy}, position: [{x}, 0, 0]}}
+- {{name: crate, source: cell, frame: crate, shape: {{type: box, size: [1, 1, 1]}}}}
+"""
+
+
+def test_cost_sources_are_the_boxes_that_both_bodies_have_in_common():
+    live = live_scene(STACK, Clock(1000.0))
+    found = validity(live)
+    assert not found.valid
+    assert [each.cost_density for each in found.cost_sources] == [1.0, 1.0]
+    crate, ball = map(corners, found.cost_sources)  # the largest first
+    side = np.sqrt(0.5)
+    np.testing.assert_allclose(crate, [[-side, -side, -0.1], [side, side, 0.0]], atol=1e-12)
+    x = 5.0 * side
+    np.testing.assert_allclose(
+        ball, [[x - 0.45, x - 0.45, -0.05], [x + 0.45, x + 0.45, 0.0]], atol=1e-12
+    )
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_a_cost_source_on_a_slope_is_around_what_is_below_it(seed):
+    rng = np.random.default_rng(seed)
+    rpy = [round(float(angle), 3) for angle in rng.uniform(-3.0, 3.0, 3)]
+    live = live_scene(SLOPE.format(rpy=rpy, x=rng.uniform(-0.8, 0.8)), Clock(1000.0))
+    found = validity(live)
+    with live.reading() as held:
+        X_WF = held.query.X_WG(held.model.names.geometry('cell::world/floor'))
+    points = rng.uniform(-0.5, 0.5, size=(3000, 3))
+    normal = X_WF.rotation().matrix()[:, 2]
+    below = points[(points - X_WF.translation()) @ normal <= 0.0]
+    if not len(found.cost_sources):
+        assert not len(below)
+        return
+    (low, high) = corners(found.cost_sources[0])
+    assert (below >= low - 1e-9).all()
+    assert (below <= high + 1e-9).all()
+    if len(below) > 300:
+        np.testing.assert_allclose(below.min(axis=0), low, atol=0.25)
+        np.testing.assert_allclose(below.max(axis=0), high, atol=0.25)
+
+
+def test_points_of_contacts_lie_in_their_cost_sources(live):
+    states = np.random.default_rng(8).uniform(*BOUNDS, size=(50, 3))
+    count = 0
+    for each in states:
+        found = validity(live, JOINTS_OF_ARM, each)
+        assert len(found.cost_sources) == len(found.contacts)
+        boxes = [corners(source) for source in found.cost_sources]
+        volumes = [np.prod(high - low) for low, high in boxes]
+        assert volumes == sorted(volumes, reverse=True)
+        for point in (each.position for each in found.contacts):
+            p = np.array([point.x, point.y, point.z])
+            assert any((low <= p + 1e-9).all() and (p <= high + 1e-9).all() for low, high in boxes)
+            count += 1
+    assert count > 10
 
 
 @pytest.mark.parametrize(
