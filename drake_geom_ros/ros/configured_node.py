@@ -51,6 +51,7 @@ from drake_geom_ros.ros.outputs.diagnostics import (
     add_trouble,
 )
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
+from drake_geom_ros.ros.planning_scenes import PlanningScenes, SceneOutput
 from drake_geom_ros.ros.services.table import (
     BESIDE,
     CHANGES,
@@ -106,7 +107,7 @@ class ConfiguredNode:
         """Open everything on ``surface``, which the caller closes where this raises."""
         self.live, self._node, self._surface, self._groups = live, node, surface, groups
         self._settings, self._guard, self._diagnostics = settings, guard, diagnostics
-        publishers = topics.publishers(surface)
+        publishers = topics.publishers(surface, settings.values)
         self._costs = LevelCosts(live, publishers['~/cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = ShownOutputs(
@@ -151,11 +152,12 @@ class ConfiguredNode:
         self._namesakes = Namesakes(node)
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
-        self._open_inputs(settings.values, publishers['~/point_distances'])
+        planning = self._open_inputs(settings.values, publishers['~/point_distances'])
         self._listen(settings.values, obstacle_sources)
         self._open_services(calls(settings.values.service_depth))
         if settings.values.use_planning_scene:
             self._open_state_validity(calls(settings.values.service_depth))
+            self._open_planning_scenes(planning, publishers[topics.PLANNING_SCENE])
         self._start_timers()
         self._cycle_timer: Timer | None = None
         self._set_rate(settings.values.rate)
@@ -233,8 +235,10 @@ class ConfiguredNode:
 
     # What is opened.
 
-    def _open_inputs(self, values: NodeParameters, point_distances: Publisher) -> None:
-        """Listen to poses, points and robot descriptions."""
+    def _open_inputs(
+        self, values: NodeParameters, point_distances: Publisher
+    ) -> PlanningSceneInput:
+        """Listen to poses, points and robot descriptions; return what takes planning scenes."""
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.poses.watch_motion(values.stale_after)
@@ -248,10 +252,16 @@ class ConfiguredNode:
         )
         log = self._node.get_logger().info
         changed = partial(self._guard.attempt, self._stream.map_has_changed)
-        planning = PlanningSceneInput(self.live, self._surface.wake(changed, self._groups.stream))
+        planning = PlanningSceneInput(
+            self.live,
+            self._surface.wake(changed, self._groups.stream),
+            lambda: self._stream.inputs.joints,
+            self._surface.full_name(),
+        )
         robot = RobotInput(self.live)
         receivers = topics.Receivers(self._stream, points, robot, planning, log)
         topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
+        return planning
 
     def _listen(self, values: NodeParameters, obstacle_sources: Mapping[str, NamedSource]) -> None:
         """Listen to TF, joint states and sensors, whose topics depend on parameters and robots."""
@@ -282,6 +292,13 @@ class ConfiguredNode:
         for name, kind, handle in WATCHING:
             serve = partial(self._guard.answer, handle, self._watch)
             self._surface.service(kind, f'~/{name}', serve, profile, groups.watching)
+
+    def _open_planning_scenes(self, planning: PlanningSceneInput, publisher: Publisher) -> None:
+        """Ask MoveIt for its scene, and publish this one for it."""
+        did = self._beside['planning_scene'].did
+        output = SceneOutput(publisher, did, lambda: self._stream.active)
+        parts = self._surface, self.live, self._guard, self._groups, planning, output
+        self._planning_scenes = PlanningScenes(*parts, self._node.get_logger())
 
     def _open_state_validity(self, profile: QoSProfile) -> None:
         """Open the service of MoveIt's type, whose answer has no reason: that is logged."""
@@ -435,4 +452,7 @@ def _beside(publishers: Mapping[str, Publisher]) -> dict[str, Beside]:
         'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
         'scene': lambda: _NOT_DUE.format('change of the scene'),
     }
+    if (planning_scene := publishers.get(topics.PLANNING_SCENE)) is not None:
+        reason = _NOT_DUE.format('change of a body')
+        reasons['planning_scene'] = lambda: unheard(planning_scene, reason)
     return {name: Beside.publishing(name, why_not) for name, why_not in reasons.items()}

@@ -17,6 +17,7 @@ from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
 from drake_geom_ros.ros import topics
+from drake_geom_ros.ros.planning_scenes import GET_PLANNING_SCENE
 from drake_geom_ros.ros.sensing.protocol import SENSORS
 from drake_geom_ros.ros.services.table import (
     BESIDE,
@@ -96,6 +97,7 @@ def policy(
     _allow(server, 'topics', 'publish', [*results, *full(passed), *LOGS])
     _allow(server, 'topics', 'subscribe', [*inputs, *CLOCK])
     _allow(server, 'services', 'reply', full(OFFERED))
+    _allow(server, 'services', 'request', [GET_PLANNING_SCENE])
     sensing = f'{name}{SENSORS}'
     sensors = _beside(server_enclave, namespace, sensing)
     _allow(sensors, 'topics', 'publish', ['/parameter_events'])

@@ -12,6 +12,7 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.callback_groups import CallbackGroup
+from rclpy.client import Client
 from rclpy.clock import Clock, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -183,6 +184,12 @@ class Surface:
         )
         self.answers.send_for(service)
         self._open.append((self._node.destroy_service, service))
+
+    def client(self, kind: Any, name: str, group: CallbackGroup | None = None) -> Client[Any, Any]:
+        """Return what calls a service of another node."""
+        client = self._node.create_client(kind, name, callback_group=group)
+        self._open.append((self._node.destroy_client, client))
+        return client
 
     def timer(
         self, period: float, callback: Callable[[], None], group: CallbackGroup | None = None

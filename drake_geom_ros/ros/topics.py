@@ -47,11 +47,17 @@ LEASE = 1.0  # [s] after which a node without a sign of life counts as dead
 _MOST_EVENTS = 1000  # messages, each of one cycle, that are kept for slow subscribers
 
 
-class Output(NamedTuple):
-    """A topic that the node publishes."""
+@dataclass(frozen=True)
+class Output:
+    """A topic that the node publishes; ``kind`` and ``is_open`` are as those of ``Input``."""
 
     kind: Any
     profile: Callable[[], QoSProfile] = results
+    is_open: Callable[[NodeParameters], bool] = lambda _: True
+
+    def type(self) -> Any:
+        """Return the class of messages; raises ImportError where its package is missing."""
+        return message_class(self.kind) if isinstance(self.kind, str) else self.kind
 
 
 class Receivers(NamedTuple):
@@ -131,6 +137,11 @@ def newest() -> QoSProfile:
     return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
+def _uses_planning_scene(values: NodeParameters) -> bool:
+    return values.use_planning_scene
+
+
+PLANNING_SCENE = '~/planning_scene'
 OUTPUTS: Mapping[str, Output] = {
     '~/penetrations': Output(msg.PenetrationPairs),
     '~/signed_distances': Output(msg.SignedDistancePairs),
@@ -144,6 +155,7 @@ OUTPUTS: Mapping[str, Output] = {
     '~/speed_limit': Output(msg.SpeedLimits, _speed_scale),
     '~/stopping': Output(msg.Stopping, _speed_scale),
     '~/scene': Output(msg.Scene, latched),
+    PLANNING_SCENE: Output('moveit_msgs/msg/PlanningScene', latched, _uses_planning_scene),
     '~/markers': Output(MarkerArray),
     '~/geometry_poses': Output(msg.GeometryPoses),
     '/diagnostics': Output(DiagnosticArray),
@@ -168,10 +180,6 @@ def _take_attached(to: Receivers, message: Any, _: MessageArrival) -> None:
 
 def _take_planning_scene(to: Receivers, message: Any, _: MessageArrival) -> None:
     to.log_done(to.planning.take_scene(message))
-
-
-def _uses_planning_scene(values: NodeParameters) -> bool:
-    return values.use_planning_scene
 
 
 # Opened with others by the files that are named beside them.
@@ -224,14 +232,20 @@ INPUTS: tuple[Input, ...] = (
         *('/planning_scene', 'moveit_msgs/msg/PlanningScene', _changes, 'loading'),
         *(_take_planning_scene, _uses_planning_scene),
     ),
+    Input(
+        *('/monitored_planning_scene', 'moveit_msgs/msg/PlanningScene', _changes, 'loading'),
+        *(_take_planning_scene, _uses_planning_scene),
+    ),
     *(JOINT_STATES, TF, TF_STATIC, OCTOMAP, TRACKED_OBJECTS),
 )
 
 
-def publishers(surface: Surface) -> dict[str, Publisher]:
-    """Open all outputs, and return their publishers by topic."""
+def publishers(surface: Surface, values: NodeParameters) -> dict[str, Publisher]:
+    """Open the outputs, and return their publishers by topic."""
     return {
-        topic: surface.publisher(row.kind, topic, row.profile()) for topic, row in OUTPUTS.items()
+        topic: surface.publisher(row.type(), topic, row.profile())
+        for topic, row in OUTPUTS.items()
+        if row.is_open(values)
     }
 
 

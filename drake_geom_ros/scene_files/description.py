@@ -135,6 +135,7 @@ class RobotDescription:
     - ``configuration``: values [rad] or [m] of the joints that the scene gives one.
     - ``held_joints``: those of them that stay, until a value is heard.
     - ``groups``: the links of each group of its SRDF.
+    - ``virtual_joints``: the child link of each virtual joint of its SRDF.
     """
 
     name: str
@@ -150,6 +151,7 @@ class RobotDescription:
     model: str = ''
     held_joints: tuple[str, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict, hash=False, compare=False)
+    virtual_joints: Mapping[str, str] = field(default_factory=dict, hash=False, compare=False)
 
 
 @dataclass(frozen=True)

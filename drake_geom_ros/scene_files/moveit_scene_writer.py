@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import (
-    Box,
-    Capsule,
-    Convex,
-    Cylinder,
-    FrameId,
     GeometryId,
-    HalfSpace,
-    Mesh,
-    Role,
+    PoseError,
     SceneGraph,
     SceneGraphInspector,
-    Shape,
-    Sphere,
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.moveit_objects import MoveItObject, ids_of, moveit_objects
+from drake_geom_ros.scene_files.moveit_shapes import (
+    MoveItBody,
+    NoMoveItTypeError,
+    moveit_bodies,
+)
 from drake_geom_ros.scene_files.registration import LoadedScene
 
 _NO_COLOUR = 0.0, 0.0, 0.0, 0.0
-_BELOW = 0.0, 0.0, 1.0, 0.0  # the plane z = 0, whose normal points out
 
 
 class MoveItScene(NamedTuple):
@@ -35,15 +30,6 @@ class MoveItScene(NamedTuple):
 
     text: str
     left_out: tuple[str, ...]
-
-
-class _Object(NamedTuple):
-    """An object of the world: its full name, its geometries, and frames on it without any."""
-
-    name: str
-    X_WO: RigidTransform
-    geometries: list[GeometryId]
-    subframes: dict[str, RigidTransform]
 
 
 def to_moveit_scene(
@@ -54,64 +40,30 @@ def to_moveit_scene(
     A frame with geometries becomes an object at its first pose, an anchored geometry one of its
     own. Robots are left out, since MoveIt has their models, and with them what hangs on them;
     filters, paddings, and roles beside proximity are left out too. A capsule becomes a cylinder
-    and two spheres.
+    and two spheres, an ellipsoid the polyhedron around it.
 
-    Raises SceneFileError for shapes that the format does not have, and for objects without a pose.
+    Raises SceneFileError for shapes that the format does not have, PoseError for objects without
+    a pose.
     """
     context = scene_graph.CreateDefaultContext()
     query = scene_graph.get_query_output_port().Eval(context)
-    inspector, robots = scene_graph.model_inspector(), set(loaded.robots)
-    world = inspector.world_frame_id()
-    by_frame: dict[FrameId, list[GeometryId]] = {}
-    left_out = 0
-    for geometry in inspector.GetAllGeometryIds(Role.kProximity):
-        frame = inspector.GetFrameId(geometry)
-        if _hangs_on(inspector, frame, robots):
-            left_out += 1
-        else:
-            by_frame.setdefault(frame, []).append(geometry)
-    objects = []
-    for frame, geometries in by_frame.items():
-        if frame == world:
-            here = RigidTransform()
-            objects += [_Object(loaded.name_of(g), here, [g], {}) for g in geometries]
-        else:
-            subframes = {
-                inspector.GetName(f).removeprefix(f'{inspector.GetName(frame)}/'): query.X_PF(f)
-                for f in inspector.GetAllFrameIds()
-                if inspector.GetParentFrame(f) == frame and f not in by_frame
-            }
-            name = loaded.name_of(frame)
-            objects.append(_Object(name, query.X_WF(frame), geometries, subframes))
+    inspector = scene_graph.model_inspector()
+    every, of_robots, waiting = moveit_objects(query, loaded.robots, loaded.name_of)
+    if waiting:
+        raise PoseError(f'{loaded.name_of(waiting[0])} has no pose, which an object must have')
+    objects = [each for each in every if each.link is None]
     lines = [title]
-    for each, id in zip(objects, _ids(objects), strict=True):
+    for each, id in zip(objects, ids_of(objects), strict=True):
         lines += _lines_of(each, id, inspector)
     text = '\n'.join([*lines, '.', ''])
+    left_out = of_robots + sum(len(each.geometries) for each in every if each.link is not None)
     note = f'{counted(left_out, "geometry")} of robots and on them'
     return MoveItScene(text, (note,) if left_out else ())
 
 
-def _hangs_on(inspector: SceneGraphInspector, frame: FrameId, robots: set[str]) -> bool:
-    """Return whether a frame is one of a robot, or hangs on one."""
-    while frame != inspector.world_frame_id():
-        if inspector.GetName(inspector.GetOwningSourceId(frame)) in robots:
-            return True
-        frame = inspector.GetParentFrame(frame)
-    return False
-
-
-def _ids(objects: list[_Object]) -> list[str]:
-    """Return ids of objects: their names without their source, where these are unique."""
-    short = [each.name.split('::', 1)[1].removeprefix('world/') for each in objects]
-    counts = Counter(short)
-    return [
-        own if counts[own] == 1 else each.name for own, each in zip(short, objects, strict=True)
-    ]
-
-
-def _lines_of(each: _Object, id: str, inspector: SceneGraphInspector) -> list[str]:
+def _lines_of(each: MoveItObject, id: str, inspector: SceneGraphInspector) -> list[str]:
     shapes = [lines for g in each.geometries for lines in _shapes_of(g, each.name, inspector)]
-    lines = [f'* {id}', *_pose(each.X_WO), str(len(shapes))]
+    lines = [f'* {id}', *_pose(each.X_PO), str(len(shapes))]
     lines += [line for shape in shapes for line in shape]
     lines.append(str(len(each.subframes)))
     for name, X_OS in each.subframes.items():
@@ -121,8 +73,8 @@ def _lines_of(each: _Object, id: str, inspector: SceneGraphInspector) -> list[st
 
 def _shapes_of(
     geometry: GeometryId, name: str, inspector: SceneGraphInspector
-) -> Iterator[list[str]]:
-    """Yield the lines of each shape of a geometry, with pose and colour."""
+) -> Iterable[list[str]]:
+    """Return the lines of each shape of a geometry, with pose and colour."""
     X_OG = inspector.GetPoseInFrame(geometry)
     properties = inspector.GetProximityProperties(geometry)
     is_solid = properties is not None and properties.GetPropertyOrDefault('mesh', 'solid', False)
@@ -131,37 +83,20 @@ def _shapes_of(
     if look is not None and look.HasProperty('phong', 'diffuse'):
         diffuse = look.GetProperty('phong', 'diffuse')
         colour = diffuse.r(), diffuse.g(), diffuse.b(), diffuse.a()
-    for lines, X_GS in _bodies(inspector.GetShape(geometry), is_solid, name):
-        yield [*lines, *_pose(X_OG @ X_GS), _text(colour)]
+    try:
+        bodies = list(moveit_bodies(inspector.GetShape(geometry), is_solid))
+    except NoMoveItTypeError as error:
+        raise SceneFileError(f'{name}: {error}, nor in its files', '.scene') from error
+    return [[*_body(body), *_pose(X_OG @ body.X_GS), _text(colour)] for body in bodies]
 
 
-def _bodies(shape: Shape, is_solid: bool, name: str) -> Iterator[tuple[list[str], RigidTransform]]:
-    """Yield the type and dimensions of each body that a shape is made of, with its pose."""
-    here = RigidTransform()
-    if isinstance(shape, Box):
-        yield ['box', _text(shape.size())], here
-    elif isinstance(shape, Sphere):
-        yield ['sphere', _text([shape.radius()])], here
-    elif isinstance(shape, Cylinder):
-        yield ['cylinder', _text([shape.radius(), shape.length()])], here
-    elif isinstance(shape, Capsule):
-        yield ['cylinder', _text([shape.radius(), shape.length()])], here
-        for z in (-0.5 * shape.length(), 0.5 * shape.length()):
-            yield ['sphere', _text([shape.radius()])], RigidTransform([0.0, 0.0, z])
-    elif isinstance(shape, HalfSpace):
-        yield ['plane', _text(_BELOW)], here
-    elif isinstance(shape, Convex | Mesh):
-        if is_solid and isinstance(shape, Mesh):
-            vertices, triangles = shape.surface()
-        else:
-            vertices, triangles = shape.hull_surface()
-        rows = [_text(row) for row in vertices]
-        rows += [' '.join(map(str, row)) for row in triangles.tolist()]
-        yield ['mesh', f'{len(vertices)} {len(triangles)}', *rows], here
-    else:
-        raise SceneFileError(
-            f'{name}: a {type(shape).__name__} has no type in a .scene file of MoveIt', '.scene'
-        )
+def _body(body: MoveItBody) -> list[str]:
+    """Return the lines with type and dimensions of a body."""
+    if body.kind != 'mesh':
+        return [body.kind, _text(body.sizes)]
+    rows = [_text(row) for row in body.vertices]
+    rows += [' '.join(map(str, row)) for row in body.triangles.tolist()]
+    return ['mesh', f'{len(body.vertices)} {len(body.triangles)}', *rows]
 
 
 def _pose(X: RigidTransform) -> list[str]:

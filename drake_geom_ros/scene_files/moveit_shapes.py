@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,14 +12,20 @@ from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry import (
     ArgumentError,
+    Box,
+    Capsule,
     Convex,
+    Cylinder,
+    Ellipsoid,
     HalfSpace,
     Mesh,
     MeshData,
     MeshFileError,
     Shape,
+    Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import UNIT_NORM
 
 CONE_SIDES = 64
@@ -101,3 +109,73 @@ def placed_body(vertices: ArrayLike, triangles: ArrayLike, X_OS: RigidTransform)
         note = f'counts as its convex hull, for its triangles enclose no body: {open_surface}'
         return PlacedShape('mesh', hull, X_OS, note=note)
     return PlacedShape('mesh', solid, X_OS, is_solid=True)
+
+
+class NoMoveItTypeError(ArgumentError):
+    """A shape is one that MoveIt has no type for."""
+
+
+class MoveItBody(NamedTuple):
+    """A body S as MoveIt has it, on a geometry G.
+
+    ``sizes`` are those of the text format [m]: box x y z, sphere radius, cylinder radius length,
+    plane a b c d. A mesh has none, but vertices (n, 3) [m] and triangles (m, 3).
+    """
+
+    kind: str
+    sizes: tuple[float, ...]
+    X_GS: RigidTransform
+    vertices: Floats = np.zeros((0, 3))
+    triangles: Indices = np.zeros((0, 3), dtype=np.int64)
+
+
+_BELOW = 0.0, 0.0, 1.0, 0.0  # the plane z = 0, whose normal points out
+_BALL_POINTS = 642  # of the polyhedron around an ellipsoid
+
+
+def moveit_bodies(shape: Shape, is_solid: bool) -> Iterator[MoveItBody]:
+    """Yield the bodies that a shape is made of; ``is_solid`` is ('mesh', 'solid') of a mesh.
+
+    A capsule is a cylinder and two spheres, an ellipsoid the polyhedron around it. Raises
+    NoMoveItTypeError for a shape that MoveIt has no type for.
+    """
+    here = RigidTransform()
+    if isinstance(shape, Box):
+        yield MoveItBody('box', tuple(shape.size().tolist()), here)
+    elif isinstance(shape, Sphere):
+        yield MoveItBody('sphere', (shape.radius(),), here)
+    elif isinstance(shape, Cylinder):
+        yield MoveItBody('cylinder', (shape.radius(), shape.length()), here)
+    elif isinstance(shape, Capsule):
+        yield MoveItBody('cylinder', (shape.radius(), shape.length()), here)
+        for z in (-0.5 * shape.length(), 0.5 * shape.length()):
+            yield MoveItBody('sphere', (shape.radius(),), RigidTransform([0.0, 0.0, z]))
+    elif isinstance(shape, HalfSpace):
+        yield MoveItBody('plane', _BELOW, here)
+    elif isinstance(shape, Ellipsoid):
+        vertices, triangles = _around_unit_ball()
+        yield MoveItBody('mesh', (), here, vertices * [shape.a(), shape.b(), shape.c()], triangles)
+    elif isinstance(shape, Convex | Mesh):
+        surface = shape.surface() if is_solid and isinstance(shape, Mesh) else shape.hull_surface()
+        yield MoveItBody('mesh', (), here, *surface)
+    else:
+        raise NoMoveItTypeError(f'a {type(shape).__name__} has no type in MoveIt')
+
+
+@lru_cache(1)
+def _around_unit_ball() -> tuple[Floats, Indices]:
+    """Return vertices and triangles of a polyhedron around the unit ball, which a face touches.
+
+    Its vertices are those of a spiral (Vogel), moved out as far as the nearest face asks for.
+    """
+    k = np.arange(_BALL_POINTS) + 0.5
+    z, angles = 1.0 - 2.0 * k / _BALL_POINTS, math.pi * (1.0 + math.sqrt(5.0)) * k
+    r = np.sqrt(1.0 - z * z)
+    points = np.array([r * np.cos(angles), r * np.sin(angles), z])
+    hull = Convex(points=points, label='ball')
+    vertices, triangles = hull.hull_surface()
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    nearest = float(np.einsum('ij,ij->i', normals, corners[:, 0]).min())
+    return vertices / nearest, triangles

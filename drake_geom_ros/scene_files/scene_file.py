@@ -28,7 +28,7 @@ from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.sdf import read_sdf
-from drake_geom_ros.scene_files.srdf import link_groups, read_srdf
+from drake_geom_ros.scene_files.srdf import link_groups, read_srdf, virtual_joints
 from drake_geom_ros.scene_files.urdf import read_urdf
 from drake_geom_ros.scene_files.welding import Weld, welded_scene
 from drake_geom_ros.scene_files.xml_tree import is_xml, root_tag
@@ -158,7 +158,7 @@ def _urdf_scene(
     name = robot_name(data, file)
     parts = read_urdf(data, file, name, folder, resolver, options)
     filters, warnings = parts.filters, parts.warnings
-    srdf_path, groups = None, dict[str, tuple[str, ...]]()
+    srdf_path, groups, virtual = None, dict[str, tuple[str, ...]](), dict[str, str]()
     if srdf:
         srdf_data, srdf_file, _ = _content(srdf)
         if not _as_text(srdf):
@@ -167,6 +167,7 @@ def _urdf_scene(
         semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
         groups = link_groups(srdf_data, srdf_file, parts.tree)
+        virtual = virtual_joints(srdf_data, srdf_file, parts.link_names)
     robot = RobotDescription(
         name,
         urdf=path,
@@ -175,6 +176,7 @@ def _urdf_scene(
         tree=parts.tree,
         frame_prefix=options.frame_prefix,
         groups=groups,
+        virtual_joints=virtual,
     )
     return SceneDescription(
         file,

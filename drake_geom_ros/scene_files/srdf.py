@@ -4,8 +4,8 @@ An SRDF contributes its disabled and enabled pairs, the states of groups that th
 ``configuration`` names, passive joints (``standing``), and the links of its groups, which an
 attached part may touch. End effectors, properties and sphere approximations of links change no
 answer here. The pose of the base is not read from ``virtual_joint``, but from the robot's key
-``pose``, TF or messages. Sources of the meaning: MoveIt's AllowedCollisionMatrix, RobotModel and
-srdfdom.
+``pose``, TF or messages; MoveIt's planning scenes call it by the name of that joint.
+Sources of the meaning: MoveIt's AllowedCollisionMatrix, RobotModel and srdfdom.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -123,6 +123,16 @@ def link_groups(data: bytes, file: str, tree: LinkTree) -> dict[str, tuple[str, 
         name: tuple(link for link in tree.links if link in _links_of(name, elements, tree, file))
         for name in elements
     }
+
+
+def virtual_joints(data: bytes, file: str, links: Collection[str]) -> dict[str, str]:
+    """Return the child link of each virtual joint of an SRDF by name, of links of the robot."""
+    elements = read_robot_xml(data, file).findall(_BASE)
+    children = {
+        attribute(each, 'name', file): attribute(each, 'child_link', file).strip()
+        for each in elements
+    }
+    return {name: link for name, link in children.items() if link in links}
 
 
 def _links_of(

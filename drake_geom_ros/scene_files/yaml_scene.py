@@ -215,9 +215,13 @@ class _SceneParser:
                 within_limits=not plain.get('loaded', False),
             )
         joints = {**configuration, **held}
-        groups = srdf.link_groups(*semantics, tree) if semantics else {}
         return replace(
-            robot, tree=tree, configuration=joints, held_joints=tuple(held), groups=groups
+            robot,
+            tree=tree,
+            configuration=joints,
+            held_joints=tuple(held),
+            groups=srdf.link_groups(*semantics, tree) if semantics else {},
+            virtual_joints=srdf.virtual_joints(*semantics, tree.links) if semantics else {},
         )
 
     def _frame(self, index: int, plain: Plain) -> FrameDescription:

@@ -115,3 +115,62 @@ def test_objects_come_are_attached_and_go(node, lone_client, moveit):
     client.wait_for(lambda: len(results[-1].distance), 'the ball in the world again')
     objects.publish(remove)
     client.wait_for(lambda: 'ball' not in str(frames()), 'no ball')
+
+
+@pytest.fixture
+def services(moveit):
+    """Return the services of MoveIt."""
+    return pytest.importorskip('moveit_msgs.srv')
+
+
+def test_moveit_is_asked_at_the_start_and_its_scene_is_monitored(
+    tmp_path, lone_client, moveit, services
+):
+    client, (messages, shapes) = lone_client, moveit
+    asked = []
+
+    def sphere(name, x, radius=0.5):
+        kind = shapes.SolidPrimitive.SPHERE
+        given = messages.CollisionObject(id=name, pose=at(x))
+        given.header.frame_id = 'world'
+        given.primitives = [shapes.SolidPrimitive(type=kind, dimensions=[radius])]
+        given.primitive_poses = [at(0.0)]
+        return given
+
+    def answer(request, response):
+        asked.append(request.components.components)
+        response.scene.world.collision_objects = [sphere('shelf', 3.0)]
+        return response
+
+    service = client.node.create_service(services.GetPlanningScene, '/get_planning_scene', answer)
+    (tmp_path / 'scene.yaml').write_text(SCENE)
+    node = start_node(
+        tmp_path / 'log', scene_file=tmp_path / 'scene.yaml', use_planning_scene=True
+    )
+    try:
+        scenes = client.listen(msg.Scene, 'scene', LATCHED)
+        shown = client.listen(messages.PlanningScene, 'planning_scene', LATCHED)
+        monitored = client.node.create_publisher(
+            messages.PlanningScene, '/monitored_planning_scene', 10
+        )
+
+        def frames():
+            return {frame.name for frame in scenes[-1].frames} if scenes else set()
+
+        client.wait_for(lambda: 'shelf' in frames(), 'the object that MoveIt answered')
+        assert len(asked) == 1
+        assert asked[0] & messages.PlanningSceneComponents.OCTOMAP
+        client.wait_for(monitored.get_subscription_count, 'the node to listen')
+        diff = messages.PlanningScene(is_diff=True)
+        diff.world.collision_objects = [sphere('mug', -3.0)]
+        monitored.publish(diff)
+        client.wait_for(lambda: 'mug' in frames(), 'the monitored object')
+        assert 'shelf' in frames()
+        client.wait_for(lambda: len(shown), 'the scene as MoveIt has it')
+        (hand,) = shown[-1].world.collision_objects
+        assert (hand.id, shown[-1].is_diff) == ('hand', True)
+        assert list(hand.primitives[0].dimensions) == [0.1]
+        assert hand.pose.position.z == 1.0
+    finally:
+        client.node.destroy_service(service)
+        assert node.end() == 0, node.output()

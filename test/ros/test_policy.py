@@ -16,7 +16,10 @@ pytestmark = pytest.mark.topics
 NAMESPACE, NAME = '/cell', 'geometry'
 NODE = f'{NAMESPACE}/{NAME}'
 SENSING = f'{NAME}_sensors'
-MOVEIT = {'/collision_object', '/attached_collision_object', '/planning_scene'}
+MOVEIT = {
+    *('/collision_object', '/attached_collision_object', '/planning_scene'),
+    '/monitored_planning_scene',
+}
 HAS_MOVEIT = importlib.util.find_spec('moveit_msgs') is not None
 # Element: its attributes, of which those in brackets may be missing, and its children.
 STRUCTURE = {
@@ -85,6 +88,8 @@ def test_it_allows_exactly_what_a_node_has(node, lone_client):
     found['subscribe'] -= {f'{NODE}/obstacles/octomap'}
     if not HAS_MOVEIT:
         found['subscribe'] -= MOVEIT
+        found['request'] -= {'/get_planning_scene'}
+        found['publish'] -= {f'{NODE}/planning_scene'}
         found['reply'] -= {f'{NODE}/check_state_validity'}
     if importlib.util.find_spec('tf2_msgs') is None:
         found['subscribe'] -= {'/tf', '/tf_static'}
@@ -111,6 +116,7 @@ def compare(lone_client, node_name, found):
         ('publisher', 'publish'),
         ('subscriber', 'subscribe'),
         ('service', 'reply'),
+        ('client', 'request'),
     ):
         lone_client.wait_for(
             lambda k=kind, a=action: names(k) >= found[a], f'what it may {action}'

@@ -10,14 +10,17 @@ from drake_geom_ros.geometry import (
     Box,
     Convex,
     Cylinder,
+    GeometryInstance,
     HalfSpace,
     Mesh,
+    OccupiedCells,
+    ProximityProperties,
     Role,
     SceneGraph,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files import SceneFileError, load_scene, read_scene
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError, load_scene, read_scene
 from drake_geom_ros.scene_files.moveit_scene_writer import to_moveit_scene
 
 TABLE = """table top
@@ -235,9 +238,12 @@ def test_meshes_are_written_as_their_triangles():
 
 def test_a_shape_that_moveit_has_not_is_refused():
     scene_graph = SceneGraph()
-    text = 'geometries:\n- {name: egg, shape: {type: ellipsoid, semi_axes: [0.1, 0.2, 0.3]}}'
-    loaded = load_scene(text, scene_graph)
-    with pytest.raises(SceneFileError, match='scene::world/egg: a Ellipsoid has no type'):
+    source = scene_graph.RegisterSource('cell')
+    instance = GeometryInstance(RigidTransform(), OccupiedCells(0.5, np.zeros((1, 3))), 'map')
+    instance.set_proximity_properties(ProximityProperties())
+    geometry = scene_graph.RegisterAnchoredGeometry(source, instance)
+    loaded = LoadedScene(geometries={('cell', 'world', 'map'): geometry})
+    with pytest.raises(SceneFileError, match='cell::world/map: a OccupiedCells has no type'):
         to_moveit_scene(scene_graph, loaded)
 
 

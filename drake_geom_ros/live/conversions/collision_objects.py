@@ -14,6 +14,7 @@ from drake_geom_ros.live.conversions.names import shortened
 from drake_geom_ros.math import RigidTransform
 
 OCTOMAP_ID = '<octomap>'  # of MoveIt's own map
+OWN_TYPE = 'drake_geom_ros'  # the key of the type of objects of a node, whose name is their db
 
 
 class Operation(IntEnum):
@@ -72,6 +73,12 @@ def request_from_message(message: Any) -> ObjectRequest:
     return replace(request, notes=named)
 
 
+def is_own(message: Any, node: str) -> bool:
+    """Return whether a CollisionObject is one that a node published, and that comes back."""
+    is_marked = (message.type.key, message.type.db) == (OWN_TYPE, node)
+    return bool(node) and is_marked and _operation(message) != Operation.REMOVE
+
+
 def attached_from_message(message: Any) -> AttachedRequest:
     """Return what an AttachedCollisionObject asks for; raises ArgumentError like the other."""
     request = request_from_message(message.object)
@@ -113,7 +120,7 @@ def _check_id(name: str, operation: Operation) -> None:
 
 def _read(message: Any, operation: Operation) -> ObjectRequest:
     """Return an ADD, APPEND or MOVE; raises RuntimeError for what cannot be."""
-    X_FO, notes = _pose(message.pose, 'pose')
+    X_FO, notes = pose_or_no_rotation(message.pose, 'pose')
     base = ObjectRequest(
         message.id,
         operation,
@@ -139,7 +146,7 @@ def _read_move(message: Any, base: ObjectRequest) -> ObjectRequest:
         if len(getattr(message, shapes)):
             notes.append(f'a MOVE takes poses only, so its {shapes} are ignored, as by MoveIt')
         for k, each in enumerate(getattr(message, poses)):
-            X_OS, more = _pose(each, f'{poses}[{k}]')
+            X_OS, more = pose_or_no_rotation(each, f'{poses}[{k}]')
             shape_poses.append(X_OS)
             notes += more
     if len(message.subframe_names):
@@ -159,7 +166,7 @@ def _with_shapes(message: Any, base: ObjectRequest) -> ObjectRequest:
         for k, each in enumerate(getattr(message, shapes)):
             X_OS, more = RigidTransform(), list[str]()
             if k < len(places):
-                X_OS, more = _pose(places[k], f'{poses}[{k}]')
+                X_OS, more = pose_or_no_rotation(places[k], f'{poses}[{k}]')
             if is_lone and not base.has_pose:
                 base = replace(base, X_FO=X_OS, has_pose=not X_OS.IsExactlyIdentity())
                 X_OS = RigidTransform()
@@ -183,12 +190,12 @@ def _with_subframes(message: Any, base: ObjectRequest) -> ObjectRequest:
         raise ArgumentError(f'subframe_names is {names}; each must be another one, and not empty')
     subframes, notes = {}, list(base.notes)
     for k, (name, message_pose) in enumerate(zip(names, message.subframe_poses, strict=True)):
-        subframes[name], more = _pose(message_pose, f'subframe_poses[{k}]')
+        subframes[name], more = pose_or_no_rotation(message_pose, f'subframe_poses[{k}]')
         notes += more
     return replace(base, subframes=subframes, notes=tuple(notes))
 
 
-def _pose(message: Any, name: str) -> tuple[RigidTransform, list[str]]:
+def pose_or_no_rotation(message: Any, name: str) -> tuple[RigidTransform, list[str]]:
     """Return a pose and notes; a quaternion of zeros counts as no rotation, as for MoveIt."""
     q = message.orientation
     if (q.x, q.y, q.z, q.w) == (0.0, 0.0, 0.0, 0.0):

@@ -12,8 +12,10 @@ from drake_geom_ros.sensed_maps.octree import (
     check_kind,
 )
 
+MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
 
-def refuse_too_many_nodes(message: Any, most: int) -> None:
+
+def refuse_too_many_nodes(message: Any, most: int = MOST_NODES) -> None:
     """Raise MapError for a tree of more nodes than are taken, before any is read."""
     each = bytes_a_node(message.id, binary=message.binary)
     if len(message.data) > most * each:

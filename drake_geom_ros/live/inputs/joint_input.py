@@ -35,6 +35,7 @@ from drake_geom_ros.math.array_types import Floats
 
 _NANOSECONDS = 1e-9  # [s]
 _NO_IDS = np.zeros(0, dtype=np.int64)
+BY_SCENE = '<planning scene>'  # instead of a topic: of robots that no topic drives
 _MOST_LISTS = 64  # lists of names of which it is kept which joints they mean
 
 
@@ -70,6 +71,7 @@ class JointInput:
         self._clocks = clocks
         self._longest_gap = longest_gap
         self._by_default = by_default
+        self._by_scene: set[str] = set()  # robots that planning scenes drive
         self._version = -1
         self._carriers: dict[str, frozenset[int]] = {}  # of each robot
         # By topic and names: where each number goes, None for a joint of no robot here.
@@ -89,9 +91,9 @@ class JointInput:
     ) -> int:
         """Take a JointState whole that came ``waited`` [s] ago; return how many frames it posed.
 
-        ``topic`` is that of robots that name it, empty: the one for all others; ``sender`` is the
-        identity of the publisher, empty where nobody knows it. Raises
-        ArgumentError for what is wrong, and for a message without a joint of ours.
+        ``topic`` is that of robots that name it, empty: the one for all others, BY_SCENE: a
+        planning scene; ``sender`` is the identity of the publisher, empty where nobody knows it.
+        Raises ArgumentError for what is wrong, and for a message without a joint of ours.
         """
         places = self.places(scene, topic, tuple(message.name))
         positions, speeds = _numbers(message, places)
@@ -112,6 +114,8 @@ class JointInput:
             for name, values in before.items():
                 robots[name].values = values
             raise
+        if topic == BY_SCENE:
+            self._by_scene.update(changed)
         self._note_sender(scene, message, sender, changed)
         if scene.poses.history is not None:
             for name, columns in changed.items():
@@ -210,7 +214,15 @@ class JointInput:
     def _driven(self, scene: HeldScene) -> list[DrivenRobot]:
         """Return the robots that somebody may drive."""
         robots = scene.model.joints.robots.values()
-        return [robot for robot in robots if robot.topic or self._by_default]
+        by_scene = self._by_scene
+        return [r for r in robots if r.topic or self._by_default or r.name in by_scene]
+
+    def undriven(self, scene: HeldScene) -> list[DrivenRobot]:
+        """Return the robots that no topic drives, and whose links nobody else poses."""
+        if self._by_default:
+            return []
+        robots = scene.model.joints.robots.values()
+        return [r for r in robots if not (r.topic or self._are_others(scene, r))]
 
     def places(
         self, scene: HeldScene, topic: str, names: tuple[str, ...]
@@ -218,9 +230,12 @@ class JointInput:
         """Return where the numbers of a message go; raises ArgumentError where none goes."""
         if self._version != scene.model.model_version:
             self._known.clear()
-        places = self._known.get((topic, names))
+        places = None if topic == BY_SCENE else self._known.get((topic, names))
         if places is None:
-            robots = [robot for robot in self._driven(scene) if robot.topic == topic]
+            if topic == BY_SCENE:
+                robots = self.undriven(scene)
+            else:
+                robots = [robot for robot in self._driven(scene) if robot.topic == topic]
             places = look_up(robots, names)
             if not any(places) and not _are_others(robots, names):
                 raise _nothing_of_ours(robots, names)

@@ -41,9 +41,6 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import ObstacleSource
 from drake_geom_ros.sensed_maps.cells import Cells
 
-MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
-
-
 Paddings = tuple[tuple[str, float], ...]
 
 
@@ -209,7 +206,7 @@ class ObstacleInput:
         """Take an Octomap in place of the one of before, as it is; raises as ``begin``."""
         self._refuse_if_removed()
         start = time.perf_counter()
-        refuse_too_many_nodes(octomap, MOST_NODES)
+        refuse_too_many_nodes(octomap)
         generation, header = self._generation, self._framed(octomap.header)
         # Before the tree is read, which takes seconds: its stamp is that much older then.
         moment = moment_of(self._live, header, waited, self._hanging, lambda *_: (), patience)

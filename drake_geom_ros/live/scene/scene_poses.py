@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     ArgumentError,
     FrameId,
     FramePoseVector,
+    QueryObject,
     SourceId,
     closing_speeds,
 )
@@ -341,9 +342,14 @@ class ScenePoses:
 
     # Frames that are attached to others.
 
-    def pose_in(self, frame: FrameId, parent: FrameId) -> RigidTransform:
-        """Return where a frame is in another one; raises ArgumentError where nobody knows."""
-        query, names = self._model.query, self._model.names.frame_names
+    def pose_in(
+        self, frame: FrameId, parent: FrameId, query: QueryObject | None = None
+    ) -> RigidTransform:
+        """Return where a frame is in another one; raises ArgumentError where nobody knows.
+
+        ``query`` is of other poses than those of now.
+        """
+        query, names = query or self._model.query, self._model.names.frame_names
         if unplaced := [names[each] for each in (frame, parent) if not query.is_placed(each)]:
             raise ArgumentError(
                 f'{some_of(unplaced)} has no pose yet, so nobody knows where the frame is; pose '

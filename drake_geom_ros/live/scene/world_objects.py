@@ -2,34 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from drake_geom_ros.geometry import (
     ArgumentError,
+    Convex,
     FrameId,
     GeometryId,
     HalfSpace,
+    Mesh,
+    QueryObject,
     Role,
     SceneGraphInspector,
     Shape,
 )
 from drake_geom_ros.live.conversions.allowed_collisions import AllowedCollisions
 from drake_geom_ros.live.conversions.collision_objects import (
+    OCTOMAP_ID,
     AttachedRequest,
     ObjectRequest,
     Operation,
 )
 from drake_geom_ros.live.conversions.moveit_shapes import PlacedShape
 from drake_geom_ros.live.conversions.names import WORLD, shortened, some_of
-from drake_geom_ros.live.conversions.planning_scene import SceneRequest
+from drake_geom_ros.live.conversions.planning_scene import OctomapRequest, SceneRequest
 from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.link_paddings import Enlargement, merged, unknown_links
 from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 SOURCE = 'planning_scene'  # of MoveIt's objects
+OCTOMAP_MAP = 'planning_scene'  # the sensed map that MoveIt's octomap becomes
 
 
 class ObjectShape(NamedTuple):
@@ -68,13 +76,24 @@ class WorldObject:
 class PlanningWorld:
     """The objects of a scene after some requests; the scene itself stays as it is.
 
-    ``matrix`` are the collisions that MoveIt allows, None where it never said.
+    ``matrix`` are the collisions that MoveIt allows, None where it never said, and ``links`` what
+    it enlarges. ``octomap`` is the one that a request brings, or takes away, None without one.
     ``objects`` are by id, ``notes`` what was not read, or read otherwise, in words. A request that
     is refused raises ArgumentError, which names the object; the world is of no use then.
     """
 
-    def __init__(self, scene: HeldScene, matrix: AllowedCollisions | None = None) -> None:
-        self._scene = scene
+    def __init__(
+        self,
+        scene: HeldScene,
+        matrix: AllowedCollisions | None = None,
+        links: Mapping[str, Enlargement] | None = None,
+        query: QueryObject | None = None,
+    ) -> None:
+        """``query`` is of other poses than those of now: those that a request brings, too."""
+        self._scene, self._query = scene, query or scene.query
+        self.enlarged = dict(links or {})
+        self.octomap: OctomapRequest | None = None
+        self.X_WM = RigidTransform()  # of the octomap
         self.before = objects_of(scene)
         self.objects = dict(self.before)
         self.matrix = self.matrix_before = matrix
@@ -89,12 +108,34 @@ class PlanningWorld:
             self.objects = {k: each for k, each in self.objects.items() if each.link is not None}
         if request.matrix is not None:
             self.matrix = request.matrix
+        self.enlarged = merged(self.enlarged, request.paddings, request.scales)
+        self._note_enlarged({*request.paddings, *request.scales})
         for attached in request.attached:
             self.take_attached(attached)
         for each in request.objects:
             self.take(each)
         if request.matrix is not None:
             self._note_strangers(request.matrix)
+        self.octomap = request.octomap
+        if self.octomap is not None and self.octomap.cells is not None:
+            try:
+                self.X_WM = self._X_WF(self.octomap.frame) @ self.octomap.X_FM
+            except RuntimeError as error:
+                raise ArgumentError(f'world.octomap: {error}') from error
+
+    def _note_enlarged(self, names: Collection[str]) -> None:
+        """Note what MoveIt would do otherwise with the enlarged links of a message."""
+        enlarged = {name: self.enlarged[name] for name in names}
+        if any(each != Enlargement() for each in enlarged.values()):
+            self.notes.append(
+                'paddings and scales of links count between links of robots, too, where MoveIt '
+                'leaves them out'
+            )
+        if strangers := unknown_links(self._scene, enlarged):
+            self.notes.append(
+                f'link_padding, link_scale: {some_of(strangers)} is no link of a robot of the '
+                'scene; they count for robots that come later'
+            )
 
     def links(self) -> dict[str, FrameId]:
         """Return the frames that names of the matrix stand for, without objects.
@@ -109,6 +150,9 @@ class PlanningWorld:
         if self.matrix.defaults:
             wanted |= {name for source, name in labels.values() if source in robots}
         links = {name: self._link_called(name) for name in sorted(wanted)}
+        is_meant = OCTOMAP_ID in wanted or bool(self.matrix.defaults)
+        if is_meant and OCTOMAP_MAP in self._scene.maps.by_name:
+            links[OCTOMAP_ID] = self._scene.maps.by_name[OCTOMAP_MAP].frame
         return {name: frame for name, frame in links.items() if frame is not None}
 
     def _link_called(self, name: str) -> FrameId | None:
@@ -117,13 +161,17 @@ class PlanningWorld:
         return frames[0] if len(frames) == 1 else None
 
     def _note_strangers(self, matrix: AllowedCollisions) -> None:
-        known = self.objects.keys() | self.links().keys()
+        known = self.objects.keys() | self.links().keys() | {OCTOMAP_ID}
         strangers = [name for name in matrix.names() if name not in known]
         if strangers:
             self.notes.append(
                 f'allowed_collision_matrix: {some_of(strangers)} is no frame, or several, of the '
                 'scene; what it allows counts for objects that come later'
             )
+
+    def allow_again(self) -> None:
+        """Have what the matrix says hold for links that came since."""
+        self.matrix_before = None
 
     def take(self, request: ObjectRequest) -> None:
         """Do what a CollisionObject asks for."""
@@ -151,7 +199,7 @@ class PlanningWorld:
                 )
             self.objects[request.id] = _appended(request, present)
         else:
-            self.objects[request.id] = _new(request, X_WO)
+            self.objects[request.id] = _or_present(_new(request, X_WO), present)
 
     def take_attached(self, request: AttachedRequest) -> None:
         """Do what an AttachedCollisionObject asks for."""
@@ -172,7 +220,8 @@ class PlanningWorld:
         touching = self._touching(part.id, attached.frame, request, link)
         if part.operation == Operation.APPEND and present is not None:
             touching |= present.touching
-        self.objects[part.id] = replace(attached, link=link, touching=touching)
+        attached = replace(attached, link=link, touching=touching)
+        self.objects[part.id] = _or_present(attached, present)
 
     def _on_link(
         self, request: ObjectRequest, present: WorldObject | None, link: FrameId
@@ -181,7 +230,7 @@ class PlanningWorld:
 
         Without shapes it is the object of the world, which stays where it is.
         """
-        name, X_LW = shortened(request.id), self._scene.query.X_WF(link).inverse()
+        name, X_LW = shortened(request.id), self._query.X_WF(link).inverse()
         if not request.shapes:
             if present is None or request.operation == Operation.APPEND:
                 raise ArgumentError(
@@ -261,7 +310,7 @@ class PlanningWorld:
         """Return the pose of an object in the world."""
         if present.link is None:
             return present.X_PO
-        return self._scene.query.X_WF(present.link) @ present.X_PO
+        return self._query.X_WF(present.link) @ present.X_PO
 
     def _in_world(self, request: ObjectRequest) -> RigidTransform:
         """Return X_WO as a request gives it, in the frame that its header names."""
@@ -288,7 +337,7 @@ class PlanningWorld:
         frame = names.frame(name)
         if frame != names.world and names.labels[frame][0] == SOURCE:
             raise ArgumentError(f'header.frame_id {shortened(name)!r} is an object that is gone')
-        return scene.poses.pose_in(frame, names.world)
+        return scene.poses.pose_in(frame, names.world, self._query)
 
     def _own_frame(self, name: str) -> RigidTransform | None:
         """Return the pose in the world of an object, or of a subframe ``object/subframe``."""
@@ -310,7 +359,7 @@ class PlanningWorld:
                     f'link_name is {request.link!r}; it must be a link of a robot, or another '
                     'frame that no planning scene brought'
                 )
-            self._scene.poses.pose_in(link, names.world)
+            self._scene.poses.pose_in(link, names.world, self._query)
         except RuntimeError as error:
             raise ArgumentError(f'object {name!r}: {error}') from error
         return link
@@ -401,6 +450,35 @@ def _named(placed: Iterable[PlacedShape], first: int = 0) -> tuple[ObjectShape, 
 def _new(request: ObjectRequest, X_PO: RigidTransform) -> WorldObject:
     subframes = {name: Subframe(X_OB, None) for name, X_OB in request.subframes.items()}
     return WorldObject(X_PO, _named(request.shapes), subframes)
+
+
+def _or_present(new: WorldObject, present: WorldObject | None) -> WorldObject:
+    """Return the object that is there where the new one is the same: it keeps its ids then."""
+    if present is None or (new.link, new.touching) != (present.link, present.touching):
+        return new
+    is_there = new.X_PO.IsNearlyEqualTo(present.X_PO, WELDED_STAYS)
+    has_subframes = new.subframes.keys() == present.subframes.keys() and all(
+        each.X_OB.IsExactlyEqualTo(present.subframes[name].X_OB)
+        for name, each in new.subframes.items()
+    )
+    has_shapes = len(new.shapes) == len(present.shapes) and all(
+        _is_same(a, b) for a, b in zip(new.shapes, present.shapes, strict=True)
+    )
+    return present if is_there and has_subframes and has_shapes else new
+
+
+def _is_same(a: ObjectShape, b: ObjectShape) -> bool:
+    """Return whether two shapes of an object have the same name, place and surface."""
+    if (a.name, a.is_solid) != (b.name, b.is_solid) or not a.X_OS.IsExactlyEqualTo(b.X_OS):
+        return False
+    if isinstance(a.shape, Convex | Mesh) and type(a.shape) is type(b.shape):
+        surfaces = [
+            each.surface() if isinstance(each, Mesh) else each.hull_surface()
+            for each in (a.shape, b.shape)
+            if isinstance(each, Convex | Mesh)
+        ]
+        return all(np.array_equal(*parts) for parts in zip(*surfaces, strict=True))
+    return a.shape == b.shape
 
 
 def _appended(request: ObjectRequest, present: WorldObject) -> WorldObject:

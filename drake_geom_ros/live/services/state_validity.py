@@ -100,7 +100,8 @@ def _common_box(view: SceneView, id_A: GeometryId, id_B: GeometryId) -> tuple[Fl
     if isinstance(view.query.inspector().GetShape(id_B), HalfSpace):
         X_WB = view.query.X_WG(id_B)
         normal = X_WB.rotation().matrix()[:, 2]
-        low, high = _below(normal, normal @ X_WB.translation() + padding_B, low, high)
+        offset = float(normal @ X_WB.translation()) + padding_B
+        low, high = _below(normal, offset, low, high)
     else:
         low_B, high_B = _box(view, id_B)
         low, high = np.maximum(low, low_B), np.minimum(high, high_B)

@@ -1,5 +1,6 @@
 """Planning scenes of MoveIt, full and as differences, and what their matrix allows."""
 
+import math
 from itertools import combinations
 from types import SimpleNamespace as Plain
 
@@ -11,14 +12,19 @@ from live.live_scenes import Clock, live_scene
 from live.moveit_messages import (
     REMOVE,
     attached_object,
+    ball,
     collision_object,
     matrix,
+    octomap_of,
     planning_scene,
+    robot_state,
 )
 
 from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
+from drake_geom_ros.sensed_maps import Cells
 
 LINKS = ['base', 'hand', 'finger']
+CELLS = Cells.of_points([[1.0, 1.0, 1.0]], 0.5)
 NAMES = [*LINKS, 'a', 'b', 'later']
 
 
@@ -35,6 +41,19 @@ def moveit(live):
 def short(live):
     """Return the reported pairs by the names of frames."""
     return {frozenset(name.partition('/')[0] for name in pair) for pair in pairs(live)}
+
+
+def test_an_object_that_comes_again_keeps_its_ids(live, moveit):
+    message = planning_scene([box('a', 1.0)], [attached_object('hand', box('b'))])
+    moveit.take_scene(message)
+    with live.reading() as scene:
+        before = scene.model.version, dict(scene.model.names.frame_names)
+    moveit.take_scene(message)
+    with live.reading() as scene:
+        assert (scene.model.version, dict(scene.model.names.frame_names)) == before
+    moveit.take_scene(planning_scene([box('a', 1.0, primitives=[ball(0.2)])]))
+    with live.reading() as scene:
+        assert scene.model.version > before[0]
 
 
 def test_a_diff_adds_and_a_full_scene_replaces(live, moveit):
@@ -74,13 +93,18 @@ def test_an_object_may_stand_on_one_of_the_same_message(live, moveit):
 def test_what_is_ignored_is_reported(moveit):
     done = moveit.take_scene(
         planning_scene(
-            joint_names=['j1', 'j2'], fixed_frame_transforms=[Plain()], object_colors=[Plain()],
+            joints={'j': 0.0}, fixed_frame_transforms=[Plain()], object_colors=[Plain()],
             allowed=matrix(['hand', 'nobody'], [('hand', 'nobody')]),
             link_padding=[Plain(link_name='hand', padding=0.0)],
             link_scale=[Plain(link_name='hand', scale=1.0)],
         )
     )  # fmt: skip
-    for note in ('values of 2 joints', 'fixed_frame_transforms', 'object_colors', 'nobody is'):
+    for note in (
+        'values of j are',
+        'fixed_frame_transforms',
+        'object_colors',
+        'nobody is',
+    ):
         assert note in done
 
 
@@ -96,14 +120,25 @@ def uneven():
         (planning_scene([box('a'), box('b', frame='hnd')]), "object 'b': There is no frame 'hnd'"),
         (planning_scene([box('a')], allowed=uneven()), "the row of 'hand' holds 1 values for 2"),
         (planning_scene(allowed=matrix(['hand', 'hand'])), "entry_names holds 'hand' twice"),
-        (planning_scene(octomap=[1]), 'world.octomap: octomaps of planning scenes are not read'),
         (
-            planning_scene([box('a')], link_padding=[Plain(link_name='hand', padding=0.01)]),
-            "link_padding of 'hand' is 0.01",
+            planning_scene([box('a')], octomap=octomap_of(None, id='OcTree', data=b'a')),
+            'world.octomap: ',
         ),
         (
-            planning_scene([box('a')], link_scale=[Plain(link_name='hand', scale=1.1)]),
-            "link_scale of 'hand' is 1.1",
+            planning_scene([box('a')], octomap=octomap_of(CELLS, frame='hnd')),
+            "world.octomap: There is no frame 'hnd'",
+        ),
+        (
+            planning_scene([box('a')], link_padding=[Plain(link_name='hand', padding=math.nan)]),
+            "link_padding of 'hand' is nan",
+        ),
+        (
+            planning_scene([box('a')], link_scale=[Plain(link_name='hand', scale=math.inf)]),
+            "link_scale of 'hand' is inf",
+        ),
+        (
+            planning_scene([box('a')], state=robot_state({'j1': 0.0}, position=[])),
+            'position holds 0 numbers for 1 names',
         ),
         (
             planning_scene(

@@ -104,10 +104,12 @@ def test_cost_sources_are_the_boxes_that_both_bodies_have_in_common():
     assert [each.cost_density for each in found.cost_sources] == [1.0, 1.0]
     crate, ball = map(corners, found.cost_sources)  # the largest first
     side = np.sqrt(0.5)
-    np.testing.assert_allclose(crate, [[-side, -side, -0.1], [side, side, 0.0]], atol=1e-12)
+    np.testing.assert_allclose(
+        crate, [[-side, -side, -0.1], [side, side, 0.0]], rtol=0, atol=1e-12
+    )
     x = 5.0 * side
     np.testing.assert_allclose(
-        ball, [[x - 0.45, x - 0.45, -0.05], [x + 0.45, x + 0.45, 0.0]], atol=1e-12
+        ball, [[x - 0.45, x - 0.45, -0.05], [x + 0.45, x + 0.45, 0.0]], rtol=0, atol=1e-12
     )
 
 
@@ -130,8 +132,8 @@ def test_a_cost_source_on_a_slope_is_around_what_is_below_it(seed):
     assert (below >= low - 1e-9).all()
     assert (below <= high + 1e-9).all()
     if len(below) > 300:
-        np.testing.assert_allclose(below.min(axis=0), low, atol=0.25)
-        np.testing.assert_allclose(below.max(axis=0), high, atol=0.25)
+        np.testing.assert_allclose(below.min(axis=0), low, rtol=0, atol=0.25)
+        np.testing.assert_allclose(below.max(axis=0), high, rtol=0, atol=0.25)
 
 
 def test_points_of_contacts_lie_in_their_cost_sources(live):

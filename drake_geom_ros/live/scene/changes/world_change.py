@@ -17,13 +17,16 @@ from drake_geom_ros.geometry import (
     GeometryInstance,
     GeometrySet,
     ProximityProperties,
+    RoleAssign,
     SceneGraph,
     SceneGraphContext,
+    SceneGraphInspector,
     SourceId,
 )
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.link_paddings import PADDING, Padded, with_padding
 from drake_geom_ros.live.scene.touch_links import TouchLinks
 from drake_geom_ros.live.scene.world_objects import (
     SOURCE,
@@ -57,10 +60,13 @@ class _Made:
     allowed: FilterId | None = None  # of the matrix
 
 
-def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, None]:
+def world_change(
+    scene: HeldScene, world: PlanningWorld, padded: Mapping[GeometryId, Padded]
+) -> Change[HeldScene, None]:
     """Return the change after which the scene holds the objects of a planning world.
 
-    All of it is made or nothing. It raises SceneChangedError where the scene has changed since.
+    ``padded`` are the paddings of geometries of robots. All of it is made or nothing. It raises
+    SceneChangedError where the scene has changed since.
     """
     model = scene.model
     inspector, version = model.inspector, model.model_version
@@ -70,6 +76,8 @@ def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, No
     filters = {f: filter_id for f, filter_id in active.items() if filter_id is not None}
     owners, links = scene.filters.owners(), world.links()
     matrix_filters = [FilterId(number) for number, owner in owners.items() if owner == _ALLOWED]
+
+    roles = _roles(inspector, changed_paddings(scene, padded))
 
     def first(scene: HeldScene) -> None:
         if scene.model.model_version != version:
@@ -84,12 +92,56 @@ def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, No
         edit = _Edit(graph, context, sources.get(SOURCE), filters)
         made = edit.run(world)
         edit.allow(world, links, matrix_filters)
+        for source, geometry, properties in roles:
+            graph.AssignRole(
+                context=context,
+                source_id=source,
+                geometry_id=geometry,
+                properties=properties,
+                assign=RoleAssign.kReplace,
+            )
         return made
 
     def then(scene: HeldScene, made: _Made) -> None:
         _settle(scene, made, world)
 
     return Change(on, first, then)
+
+
+def _roles(
+    inspector: SceneGraphInspector, paddings: Mapping[GeometryId, float]
+) -> list[tuple[SourceId, GeometryId, ProximityProperties]]:
+    """Return the sources of geometries and their properties with other paddings [m]."""
+    roles = []
+    for geometry, padding in paddings.items():
+        properties = inspector.GetProximityProperties(geometry)
+        assert properties is not None, 'it has the role'
+        source = inspector.GetOwningSourceId(geometry)
+        roles.append((source, geometry, with_padding(properties, padding)))
+    return roles
+
+
+def changed_paddings(
+    scene: HeldScene, padded: Mapping[GeometryId, Padded]
+) -> dict[GeometryId, float]:
+    """Return the paddings [m] that are other ones than those of the scene."""
+    changed = {}
+    for geometry, each in padded.items():
+        properties = scene.model.inspector.GetProximityProperties(geometry)
+        assert properties is not None, 'it has the role'
+        if properties.GetPropertyOrDefault(*PADDING, 0.0) != each.now:
+            changed[geometry] = each.now
+    return changed
+
+
+def changes_nothing(world: PlanningWorld) -> bool:
+    """Return whether a world holds the same objects as before, and allows the same."""
+    return (
+        world.objects.keys() == world.before.keys()
+        and all(each is world.before[name] for name, each in world.objects.items())
+        and world.matrix == world.matrix_before
+        and world.octomap is None
+    )
 
 
 def adds_shapes(world: PlanningWorld) -> bool:
@@ -141,7 +193,8 @@ class _Edit:
     ) -> None:
         """Exclude the pairs that the matrix allows, in the place of those of before."""
         matrix = world.matrix
-        if matrix is None or (matrix is world.matrix_before and not self._has_new_shapes):
+        is_same = matrix is world.matrix_before and world.octomap is None
+        if matrix is None or (is_same and not self._has_new_shapes):
             return
         manager = self._graph.collision_filter_manager(self._context)
         self._made.ended += manager.RemoveDeclarations(old)
