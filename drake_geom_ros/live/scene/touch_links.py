@@ -16,6 +16,7 @@ from drake_geom_ros.geometry import (
     Role,
     SceneGraphInspector,
 )
+from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.scene_files import RobotDescription
@@ -63,7 +64,11 @@ class AttachmentFilters:
 
 
 def touched_geometries(
-    model: SceneModel, frame: FrameId, patterns: Sequence[str]
+    inspector: SceneGraphInspector,
+    names: NameTable,
+    robots: Sequence[RobotDescription],
+    frame: FrameId,
+    patterns: Sequence[str],
 ) -> tuple[GeometryId, ...]:
     """Return the geometries that ``patterns`` name, without those that ``frame`` carries.
 
@@ -74,18 +79,17 @@ def touched_geometries(
     """
     if not patterns:
         return ()  # it takes a look at each geometry to find what names stand for
-    inspector = model.inspector
     named = {
         geometry: geometry_names(inspector, geometry)._replace(carriers=()).found_by
         for geometry in inspector.GetAllGeometryIds(Role.kProximity)
     }
     touched = set[GeometryId]()
     for pattern in patterns:
-        members = {geometry for geometry, names in named.items() if matches(names, pattern)}
-        if not members and not _matches_frame(model, pattern):
-            links = _links_of_group(model.robots, pattern)
+        members = {geometry for geometry, own in named.items() if matches(own, pattern)}
+        if not members and not _matches_frame(names, pattern):
+            links = _links_of_group(robots, pattern)
             if links is None:
-                raise ArgumentError(_unknown(model, pattern, named.values()))
+                raise ArgumentError(_unknown(robots, pattern, named.values()))
             members = set(_on(inspector, links, named))
         touched |= members
     carried = set(carried_frames(inspector, frame))
@@ -101,9 +105,9 @@ def carried_frames(inspector: SceneGraphInspector, frame: FrameId) -> list[Frame
     return sorted(carried)
 
 
-def _matches_frame(model: SceneModel, pattern: str) -> bool:
+def _matches_frame(names: NameTable, pattern: str) -> bool:
     """Return whether a pattern names a frame, which may have no geometry to touch."""
-    labels = model.names.labels.values()
+    labels = names.labels.values()
     return any(matches((name, full_name((source, name))), pattern) for source, name in labels)
 
 
@@ -135,8 +139,10 @@ def _on(
             yield geometry
 
 
-def _unknown(model: SceneModel, pattern: str, named: Iterable[tuple[str, ...]]) -> str:
-    groups = [group for robot in model.robots for group in robot.groups]
+def _unknown(
+    robots: Sequence[RobotDescription], pattern: str, named: Iterable[tuple[str, ...]]
+) -> str:
+    groups = [group for robot in robots for group in robot.groups]
     every_name = [*dict.fromkeys(name for names in named for name in names), *groups]
     return (
         f'touch_links: {pattern[:80]!r} stands for no frame, no geometry and no group of an SRDF'

@@ -373,7 +373,9 @@ class PlanningWorld:
         own = FrameId.get_new_id() if frame is None else frame  # a new object carries nothing
         for pattern in dict.fromkeys(request.touch_links):
             try:
-                touched.update(touched_geometries(model, own, [pattern]))
+                touched.update(
+                    touched_geometries(model.inspector, model.names, model.robots, own, [pattern])
+                )
             except ArgumentError as error:
                 self.notes.append(
                     f'object {shortened(name)!r}: {error}; it is ignored, as by MoveIt'

@@ -6,12 +6,14 @@ to refuse, and has changed nothing then.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import (
     ArgumentError,
     FrameId,
     GeometryFrame,
+    GeometryId,
     Role,
     SceneGraph,
     SceneGraphContext,
@@ -95,6 +97,7 @@ def remove_source(live: LiveScene, request: Any, response: Any) -> None:
 def attach(live: LiveScene, request: Any, response: Any) -> None:
     """Let a frame follow another one, which it may touch where the request says."""
     X_PF = _given_pose(request)
+    touched = _touched(live, request)
     with live.editing() as scene:
         names = scene.model.names
         frame, parent = names.frame(request.frame), names.frame(request.parent)
@@ -105,7 +108,7 @@ def attach(live: LiveScene, request: Any, response: Any) -> None:
         for each in (frame, parent):
             scene.maps.refuse(scene.model.inspector.GetOwningSourceId(each))
         _refuse_planning_scene(scene, frame)
-        touching = touched_geometries(scene.model, frame, request.touch_links)
+        touching = touched.of_now(scene, frame, request.touch_links)
         change = attachment(
             scene, frame, parent, X_PF, is_part=request.part_of_robot, touching=touching
         )
@@ -113,6 +116,35 @@ def attach(live: LiveScene, request: Any, response: Any) -> None:
     with live.reading() as scene:
         filter_id = scene.filters.touch_links.filter_of(frame)
     response.filter_id = 0 if filter_id is None else filter_id.get_value()
+
+
+class _Touched(NamedTuple):
+    """The geometries that a frame may touch, in the scene of some version of its names."""
+
+    names_version: int
+    geometries: tuple[GeometryId, ...]
+
+    def of_now(
+        self, scene: HeldScene, frame: FrameId, patterns: Sequence[str]
+    ) -> tuple[GeometryId, ...]:
+        """Return them; they are looked for again where the scene has changed meanwhile."""
+        model = scene.model
+        if self.names_version == model.names_version:
+            return self.geometries
+        return touched_geometries(model.inspector, model.names, model.robots, frame, patterns)
+
+
+def _touched(live: LiveScene, request: Any) -> _Touched:
+    """Return what ``attach`` lets a frame touch, looked for beside the cycles."""
+    if not request.touch_links:
+        return _Touched(-1, ())
+    with live.reading() as scene:
+        model = scene.model
+        robots, names, names_version = list(model.robots), model.names, model.names_version
+        inspector = live.view().query.inspector()
+    frame = names.frame(request.frame)
+    found = touched_geometries(inspector, names, robots, frame, request.touch_links)
+    return _Touched(names_version, found)
 
 
 def detach(live: LiveScene, request: Any, response: Any) -> None:

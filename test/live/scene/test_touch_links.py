@@ -11,6 +11,7 @@ from live.scene.test_changes import attach, call, detach, pose
 
 from drake_geom_ros.geometry import GeometryId
 from drake_geom_ros.live.scene.changes.addition import addition
+from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.live.services import filters, scene
 from drake_geom_ros.scene_files import read_scene
 
@@ -126,6 +127,22 @@ def test_pairs_with_touch_links_are_left_out_until_detach(live, touch_links, tou
     assert {name.partition('/')[0] for name in partners} == {f'arm::{link}' for link in touched}
     assert detach(live, frame='box').success
     assert reported(live) == before
+
+
+def test_links_are_looked_for_again_where_the_scene_changes_meanwhile(live, monkeypatch):
+    looked = []
+
+    def look(*args):
+        found = touched_geometries(*args)
+        looked.append(found)
+        if len(looked) == 1:  # beside the cycles
+            gone = {'geometry': 'arm::left/collision_0'}
+            assert call(live, scene.remove_geometry, Plain(), **gone).success
+        return found
+
+    monkeypatch.setattr(scene, 'touched_geometries', look)
+    assert attach_box(live, touch_links=['gripper']).success
+    assert [len(each) for each in looked] == [3, 2]
 
 
 def test_what_the_carrier_holds_besides_is_not_touched(live):
