@@ -11,6 +11,8 @@ from drake_geom_ros.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, M
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.xml_tree import local_name, numbers
 
+# Beside a mesh instead of in it, as one of Drake's models has it, it says nothing, as in Drake.
+_DECLARATION = 'declare_convex'
 KNOWN_SHAPES = ('box', 'capsule', 'cylinder', 'ellipsoid', 'mesh', 'sphere')
 
 
@@ -21,9 +23,10 @@ def shape_of(collision: Any, folder: Path, resolver: ResourceResolver) -> Shape:
     one, for bad dimensions and for a mesh that cannot be found.
     """
     geometry = collision.find('geometry')
-    if geometry is None or len(geometry) != 1:
+    shapes = [] if geometry is None else [e for e in geometry if local_name(e) != _DECLARATION]
+    if len(shapes) != 1:
         raise ValueError('missing <geometry> with one shape')
-    shape = geometry[0]
+    shape = shapes[0]
     kind = local_name(shape)
     if kind == 'mesh':
         return _mesh(shape, folder, resolver)
@@ -45,7 +48,7 @@ def _mesh(element: Any, folder: Path, resolver: ResourceResolver) -> Shape:
     if not filename:
         raise ValueError('mesh has no attribute `filename`')
     path = str(resolver.resolve(filename, folder))
-    convex = any(local_name(child) == 'declare_convex' for child in element)
+    convex = any(local_name(child) == _DECLARATION for child in element)
     scales = element.get('scale', '')
     uniform = len(scales.split()) == 1 and ',' not in scales
     scale = numbers(element, 'scale', 1 if uniform else 3, '1 1 1')

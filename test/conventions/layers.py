@@ -279,7 +279,7 @@ LAYERS = {
 # One file for what nobody else may touch.
 EXCEPTIONS = {
     'geometry/meshes/_library.py': 'trimesh',
-    'geometry/meshes/_3mf_file.py': 'trimesh',
+    'geometry/meshes/_by_trimesh.py': 'trimesh',
     'geometry/meshes/_vtk_file.py': 'meshio',
     'geometry/visualizer/drake_visualizer.py': 'lcm',
     'scene_files/sdf_heightmaps.py': 'PIL',

@@ -57,6 +57,12 @@ def test_a_mesh_is_convex_where_it_is_declared_so(tmp_path, inside, kind):
     assert shape(f'<mesh filename="m.obj">{inside}</mesh>', tmp_path) == expected
 
 
+def test_a_declaration_beside_the_mesh_says_nothing_as_in_drake(tmp_path):
+    (tmp_path / 'm.obj').write_text('v 0 0 0')
+    inside = '<mesh filename="m.obj"/><drake:declare_convex/>'
+    assert shape(inside, tmp_path) == Mesh(str(tmp_path / 'm.obj'), 1.0)
+
+
 def test_one_scale_is_for_all_axes(tmp_path):
     (tmp_path / 'm.obj').write_text('v 0 0 0')
     expected = Mesh(str(tmp_path / 'm.obj'), 0.001)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import io
 import zipfile
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
+from drake_geom_ros.geometry.meshes import _by_trimesh
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh, Pieces
 
 _METRES = {
@@ -33,11 +33,9 @@ def parse_3mf(data: bytes) -> ParsedMesh:
 
     Raises ValueError, or another error for a document of another structure.
     """
-    import trimesh
-
     roots = _models(data)
     stated = _counts(roots)
-    scene: Any = trimesh.load_scene(io.BytesIO(data), file_type='3mf', process=False)
+    scene = _by_trimesh.scene_of(data, '3mf')
     counts = [
         sum(len(getattr(mesh, name)) for mesh in scene.geometry.values())
         for name in ('vertices', 'faces')

@@ -2,6 +2,9 @@
 
 ``<up_axis>`` is not applied, as in RViz, since robots in use were modelled to look right there.
 Deformations of meshes, dangling references and references to other files are errors.
+
+trimesh reads Collada by pycollada, which rounds all numbers and poses to single precision, takes
+NaN for 0 and leaves out what it does not understand, so this file does not use it.
 """
 
 from __future__ import annotations
@@ -12,9 +15,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from drake_geom_ros.geometry.meshes._gltf_file import fan, strip
-from drake_geom_ros.geometry.meshes._obj_file import triangulate
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh, Pieces
+from drake_geom_ros.geometry.meshes._polygons import cut_faces, fan, strip
 from drake_geom_ros.math.array_types import Floats, Indices
 
 Element = ElementTree.Element
@@ -166,15 +168,8 @@ def _triangles(primitive: Element, stride: int, first: int, positions: Floats) -
             f'<{primitive.tag}> tells of {stated_count} faces of {counts.sum()} corners, and has '
             f'{len(corners)}'
         )
-    if (counts == 3).all():
-        return corners.reshape(-1, 3)
-    ends = np.cumsum(counts)
-    triangles: list[tuple[int, int, int]] = []
-    for end, count in zip(ends.tolist(), counts.tolist(), strict=True):
-        names = corners[end - count : end].tolist()
-        if count >= 3:
-            triangles += triangulate(names, [tuple(positions[k].tolist()) for k in names])
-    return np.array(triangles, dtype=np.int64).reshape(-1, 3)
+    is_face = counts >= 3
+    return cut_faces(corners[np.repeat(is_face, counts)], counts[is_face], positions).triangles
 
 
 def _transform(node: Element) -> Floats:

@@ -2,7 +2,9 @@
 
 glTF has lengths in metres and its y axis up (its specification, 3.4). As in Drake and RViz its
 (x, y, z) becomes (x, -z, y). Deformed or compressed meshes, such as with skins or Draco, are
-errors.
+errors. trimesh parses the numbers and the poses of nodes. It would leave out fans, nodes that
+hold a camera and what is compressed, and take integers and negative indices as they stand; so it
+gets a document of what counts alone, once that is checked.
 """
 
 from __future__ import annotations
@@ -10,31 +12,36 @@ from __future__ import annotations
 import base64
 import json
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import unquote_to_bytes
 
 import numpy as np
 
+from drake_geom_ros.geometry.meshes import _by_trimesh
 from drake_geom_ros.geometry.meshes._companions import companion_name
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh, Pieces
+from drake_geom_ros.geometry.meshes._polygons import fan
 from drake_geom_ros.math.array_types import Floats, Indices
 
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942  # the types of chunks
-_COMPONENTS = {5120: '<i1', 5121: '<u1', 5122: '<i2', 5123: '<u2', 5125: '<u4', 5126: '<f4'}
-_WIDTHS = {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3, 'VEC4': 4}
-_STRIP, _FAN = 5, 6
-_SURFACES = (4, _STRIP, _FAN)  # the other modes are points and lines
+_POINTS, _TRIANGLES, _STRIP, _FAN = 0, 4, 5, 6  # modes; the others are lines
 # Extensions that a file may require. They do not affect triangles, except the last one, which
 # allows accessors of integers.
 _HARMLESS = (
     *('KHR_materials_', 'KHR_texture_', 'EXT_texture_', 'MSFT_texture_', 'KHR_lights_'),
     *('EXT_lights_', 'KHR_mesh_quantization'),
 )
-
-
+_OF_NODES = ('children', 'matrix', 'translation', 'rotation', 'scale')
 _NO_FILES: Mapping[str, bytes] = MappingProxyType({})
+
+
+class _Node(NamedTuple):
+    """A node of the scene that has a mesh, by its name for trimesh."""
+
+    name: str
+    mesh: int
 
 
 def parse_gltf(data: bytes, companions: Mapping[str, bytes] = _NO_FILES) -> ParsedMesh:
@@ -51,7 +58,13 @@ def parse_gltf(data: bytes, companions: Mapping[str, bytes] = _NO_FILES) -> Pars
     odd = [name for name in tree.get('extensionsRequired', []) if not name.startswith(_HARMLESS)]
     if odd:
         raise ValueError(f'it requires {", ".join(odd)}, which is not read')
-    return _GltfReader(tree, binary, companions).mesh()
+    buffers = [
+        _buffer(each, binary if k == 0 else None, companions)
+        for k, each in enumerate(tree.get('buffers', []))
+    ]
+    nodes = list(_nodes(tree))
+    loaded = _parsed(tree, sorted({node.mesh for node in nodes}), buffers)
+    return _mesh(tree, nodes, loaded)
 
 
 def _document(data: bytes) -> tuple[Any, bytes | None]:
@@ -70,126 +83,6 @@ def _document(data: bytes) -> tuple[Any, bytes | None]:
         chunks.setdefault(kind, data[start + 8 : start + 8 + size])
         start += 8 + size
     return json.loads(chunks[_JSON]), chunks.get(_BINARY)
-
-
-class _GltfReader:
-    """Reads the scene of one document."""
-
-    def __init__(self, tree: Any, binary: bytes | None, companions: Mapping[str, bytes]) -> None:
-        self._tree = tree
-        self._buffers = [
-            _buffer(each, binary if k == 0 else None, companions)
-            for k, each in enumerate(tree.get('buffers', []))
-        ]
-        self._pieces = Pieces()
-        self._colours: list[Floats | None] = []
-
-    def mesh(self) -> ParsedMesh:
-        """Return the mesh of the scene."""
-        seen: set[int] = set()
-        stack = [(index, np.eye(4)) for index in reversed(self._roots())]
-        while stack:
-            index, T_FP = stack.pop()
-            node = self._item('nodes', index)
-            if index in seen:
-                raise ValueError(f'node {index} is in the scene twice')
-            seen.add(index)
-            T_FN = T_FP @ _transform(node)
-            if 'mesh' in node:
-                self._add(index, node, T_FN)
-            stack += [(child, T_FN) for child in reversed(node.get('children', []))]
-        vertices, triangles = self._pieces.all()
-        p_GVs = np.column_stack((vertices[:, 0], 0.0 - vertices[:, 2], vertices[:, 1]))
-        colours = None
-        if self._colours and all(each is not None for each in self._colours):
-            colours = np.concatenate(self._colours).astype(np.float32)  # type: ignore[arg-type]
-        return ParsedMesh(p_GVs, triangles, colours, ('turned from y up to z up',))
-
-    def _item(self, kind: str, index: Any) -> Any:
-        """Return an item of the document; raises an error for negative indices, too."""
-        items = self._tree.get(kind, [])
-        if not isinstance(index, int) or not 0 <= index < len(items):
-            raise ValueError(f'there is no {kind}[{index}]')
-        return items[index]
-
-    def _roots(self) -> list[int]:
-        """Return the root nodes of the default scene, or all roots without one."""
-        if self._tree.get('scenes'):
-            roots: list[int] = self._item('scenes', self._tree.get('scene', 0)).get('nodes', [])
-            return roots
-        nodes = self._tree.get('nodes', [])
-        children = {child for node in nodes for child in node.get('children', [])}
-        return [k for k in range(len(nodes)) if k not in children]
-
-    def _add(self, index: int, node: Any, T_FN: Floats) -> None:
-        mesh = self._item('meshes', node['mesh'])
-        if 'skin' in node:
-            raise ValueError(f'node {index} is bent by a skin; bake its pose into the mesh')
-        if any(node.get('weights', mesh.get('weights', ()))):
-            raise ValueError(f'node {index} is bent by morph targets; bake them into the mesh')
-        if 'EXT_mesh_gpu_instancing' in node.get('extensions', {}):
-            raise ValueError(f'node {index} has instances (EXT_mesh_gpu_instancing), not read')
-        for primitive in mesh['primitives']:
-            attributes = primitive['attributes']
-            vertices = self._values(attributes['POSITION'], 3)
-            triangles = self._triangles(primitive, len(vertices))
-            self._pieces.add(T_FN, vertices, triangles)
-            if len(triangles):
-                colours = attributes.get('COLOR_0')
-                self._colours.append(
-                    None if colours is None else self._values(colours)[triangles, :3].mean(axis=1)
-                )
-
-    def _triangles(self, primitive: Any, count: int) -> Indices:
-        """Return the triangles (m, 3) of a primitive with ``count`` vertices."""
-        mode = primitive.get('mode', 4)
-        if mode not in _SURFACES:
-            return np.zeros((0, 3), dtype=np.int64)
-        order = np.arange(count)
-        if 'indices' in primitive:
-            order = self._values(primitive['indices'], 1)[:, 0].astype(np.int64)
-        if mode == _STRIP:
-            return strip(order)
-        if mode == _FAN:
-            return fan(order)
-        if len(order) % 3:
-            raise ValueError(f'{len(order)} corners are no triangles')
-        return order.reshape(-1, 3)
-
-    def _values(self, index: Any, width: int = 0) -> Floats:
-        """Return the numbers (n, width) of an accessor, normalised to [-1, 1] if it says so."""
-        accessor = self._item('accessors', index)
-        if 'sparse' in accessor or 'bufferView' not in accessor:
-            raise ValueError(f'accessors[{index}] is sparse or packed, which is not read')
-        view = self._item('bufferViews', accessor['bufferView'])
-        buffer = self._buffers[view['buffer']]
-        kind, count = np.dtype(_COMPONENTS[accessor['componentType']]), accessor['count']
-        columns = _WIDTHS[accessor['type']]
-        if width and columns != width:
-            raise ValueError(f'accessors[{index}] has {columns} numbers each, not {width}')
-        stride = view.get('byteStride', kind.itemsize * columns)
-        start, first = view.get('byteOffset', 0), accessor.get('byteOffset', 0)
-        needed = first + stride * (count - 1) + kind.itemsize * columns
-        if count < 1 or min(start, first, stride) < 0 or needed > view['byteLength']:
-            raise ValueError(f'accessors[{index}] tells of more numbers than its view holds')
-        strides = (stride, kind.itemsize)
-        numbers = np.ndarray((count, columns), kind, buffer, start + first, strides)
-        if accessor.get('normalized'):
-            return np.maximum(numbers.astype(np.float64) / np.iinfo(kind).max, -1.0)
-        return numbers.astype(np.float64)
-
-
-def strip(order: Indices) -> Indices:
-    """Return the triangles (m, 3) of a strip through vertices."""
-    triangles = np.column_stack((order[:-2], order[1:-1], order[2:]))
-    triangles[1::2] = triangles[1::2, [1, 0, 2]]
-    return triangles
-
-
-def fan(order: Indices) -> Indices:
-    """Return the triangles (m, 3) of a fan about its first vertex."""
-    hub = np.broadcast_to(order[:1], len(order[2:]))
-    return np.column_stack((hub, order[1:-1], order[2:]))
 
 
 def _buffer(buffer: Any, binary: bytes | None, companions: Mapping[str, bytes]) -> bytes:
@@ -213,22 +106,145 @@ def _buffer(buffer: Any, binary: bytes | None, companions: Mapping[str, bytes]) 
     return content
 
 
-def _transform(node: Any) -> Floats:
-    """Return the pose (4, 4) of a node in its parent."""
-    if 'matrix' in node:
-        return np.array(node['matrix'], dtype=np.float64).reshape(4, 4).T
-    T = np.eye(4)
-    x, y, z, w = np.array(node.get('rotation', (0.0, 0.0, 0.0, 1.0)), dtype=np.float64)
-    n = x * x + y * y + z * z + w * w
-    if not n > 0.0:
-        raise ValueError('a node has a rotation of length 0')
-    T[:3, :3] += (2.0 / n) * np.array(
-        [
-            [-y * y - z * z, x * y - z * w, x * z + y * w],
-            [x * y + z * w, -x * x - z * z, y * z - x * w],
-            [x * z - y * w, y * z + x * w, -x * x - y * y],
-        ]
-    )
-    T[:3, :3] *= np.array(node.get('scale', (1.0, 1.0, 1.0)), dtype=np.float64)
-    T[:3, 3] = node.get('translation', (0.0, 0.0, 0.0))
-    return T
+def _item(tree: Any, kind: str, index: Any) -> Any:
+    """Return an item of the document; raises an error for negative indices, too."""
+    items = tree.get(kind, [])
+    if not isinstance(index, int) or not 0 <= index < len(items):
+        raise ValueError(f'there is no {kind}[{index}]')
+    return items[index]
+
+
+def _roots(tree: Any) -> list[int]:
+    """Return the root nodes of the default scene, or all roots without one."""
+    if tree.get('scenes'):
+        roots: list[int] = _item(tree, 'scenes', tree.get('scene', 0)).get('nodes', [])
+        return roots
+    nodes = tree.get('nodes', [])
+    children = {child for node in nodes for child in node.get('children', [])}
+    return [k for k in range(len(nodes)) if k not in children]
+
+
+def _nodes(tree: Any) -> Iterator[_Node]:
+    """Yield the nodes of the scene that have meshes, in its order.
+
+    Raises ValueError for a node that is there twice, and for one that bends or repeats its mesh.
+    """
+    seen: set[int] = set()
+    stack = [*reversed(_roots(tree))]
+    while stack:
+        index = stack.pop()
+        node = _item(tree, 'nodes', index)
+        if index in seen:
+            raise ValueError(f'node {index} is in the scene twice')
+        seen.add(index)
+        if not any(node.get('rotation', (1.0,))):
+            raise ValueError('a node has a rotation of length 0')
+        if 'mesh' in node:
+            weights = _item(tree, 'meshes', node['mesh']).get('weights', ())
+            if 'skin' in node:
+                raise ValueError(f'node {index} is bent by a skin; bake its pose into the mesh')
+            if any(node.get('weights', weights)):
+                raise ValueError(f'node {index} is bent by morph targets; bake them into the mesh')
+            if 'EXT_mesh_gpu_instancing' in node.get('extensions', {}):
+                raise ValueError(f'node {index} has instances (EXT_mesh_gpu_instancing), not read')
+            yield _Node(str(index), node['mesh'])
+        stack += reversed(node.get('children', []))
+
+
+def _parsed(tree: Any, meshes: list[int], buffers: list[bytes]) -> Any:
+    """Return what trimesh makes of meshes, and of all nodes.
+
+    A primitive of a mesh is a mesh of its own there, by the name MESH/NUMBER. Points are all
+    primitives but triangles and strips; the corners of a fan are the points MESH/NUMBER/order.
+    """
+    nodes: list[dict[str, Any]] = [
+        {'name': str(k), **{key: node[key] for key in _OF_NODES if key in node}}
+        for k, node in enumerate(tree.get('nodes', []))
+    ]
+    parts: list[dict[str, Any]] = []
+    for mesh in meshes:
+        for k, primitive in enumerate(tree['meshes'][mesh]['primitives']):
+            given, mode = primitive['attributes'], primitive.get('mode', _TRIANGLES)
+            used = {'POSITION': _accessor(tree, given['POSITION'], 'VEC3')}
+            if 'COLOR_0' in given:
+                used['COLOR_0'] = _accessor(tree, given['COLOR_0'])
+            part: dict[str, Any] = {'attributes': used, 'mode': _POINTS}
+            parts.append({'name': f'{mesh}/{k}', 'primitives': [part]})
+            if mode in (_TRIANGLES, _STRIP, _FAN) and 'indices' in primitive:
+                part['indices'] = _accessor(tree, primitive['indices'], 'SCALAR')
+            if mode in (_TRIANGLES, _STRIP):
+                part['mode'] = mode
+            elif mode == _FAN and 'indices' in part:
+                order = {'attributes': {'POSITION': part['indices']}, 'mode': _POINTS}
+                parts.append({'name': f'{mesh}/{k}/order', 'primitives': [order]})
+    document = {
+        'asset': {'version': '2.0'},
+        'scenes': [{'nodes': _roots(tree)}],
+        'nodes': nodes,
+        'meshes': parts,
+        'accessors': tree.get('accessors', []),
+        'bufferViews': tree.get('bufferViews', []),
+        'buffers': [{'uri': str(k)} for k in range(len(buffers))],
+    }
+    files = {str(k): content for k, content in enumerate(buffers)}
+    return _by_trimesh.parsed(json.dumps(document).encode(), 'gltf', files, skip_materials=True)
+
+
+def _accessor(tree: Any, index: Any, kind: str = '') -> int:
+    """Return the index of an accessor of numbers; ValueError for one that is not read."""
+    accessor = _item(tree, 'accessors', index)
+    if 'sparse' in accessor or 'bufferView' not in accessor:
+        raise ValueError(f'accessors[{index}] is sparse or packed, which is not read')
+    view = _item(tree, 'bufferViews', accessor['bufferView'])
+    _item(tree, 'buffers', view['buffer'])
+    if kind and accessor['type'] != kind:
+        raise ValueError(f'accessors[{index}] is of the type {accessor["type"]}, not {kind}')
+    if min(view.get('byteOffset', 0), accessor.get('byteOffset', 0), accessor['count'] - 1) < 0:
+        raise ValueError(f'accessors[{index}] is empty, or begins before its view')
+    return int(index)
+
+
+def _mesh(tree: Any, nodes: list[_Node], loaded: Any) -> ParsedMesh:
+    """Return the mesh of the nodes from what trimesh has made of the document."""
+    T_FNs = {loaded['base_frame']: np.eye(4)}  # poses of nodes in the file, by their names
+    for edge in loaded['graph']:
+        T_FNs[edge['frame_to']] = T_FNs[edge['frame_from']] @ edge['matrix']
+    pieces = Pieces()
+    colours: list[Floats | None] = []
+    for node in nodes:
+        for k, primitive in enumerate(tree['meshes'][node.mesh]['primitives']):
+            name, given = f'{node.mesh}/{k}', primitive['attributes']
+            part, order = (loaded['geometry'].get(each) for each in (name, f'{name}/order'))
+            triangles = _triangles(primitive, part, order)
+            pieces.add(T_FNs[node.name], _reals(tree, given['POSITION'], part), triangles)
+            if len(triangles):
+                of_vertices = _reals(tree, given.get('COLOR_0'), part, 'vertex_colors')
+                colours.append(
+                    of_vertices[triangles, :3].mean(axis=1) if len(of_vertices) else None
+                )
+    vertices, triangles = pieces.all()
+    p_GVs = np.column_stack((vertices[:, 0], 0.0 - vertices[:, 2], vertices[:, 1]))
+    known = [each for each in colours if each is not None]
+    is_coloured = bool(known) and len(known) == len(colours)
+    of_triangles = np.concatenate(known).astype(np.float32) if is_coloured else None
+    return ParsedMesh(p_GVs, triangles, of_triangles, ('turned from y up to z up',))
+
+
+def _triangles(primitive: Any, part: Any, order: Any) -> Indices:
+    """Return the triangles (m, 3) of a primitive; ``order`` has the corners of a fan."""
+    if primitive.get('mode', _TRIANGLES) == _FAN:
+        all_vertices = np.arange(len(part['vertices']))
+        return fan(all_vertices if order is None else order['vertices'].ravel().astype(np.int64))
+    faces: Indices = np.asarray(part.get('faces', np.zeros((0, 3))), dtype=np.int64)
+    return faces
+
+
+def _reals(tree: Any, index: int | None, part: Any, name: str = 'vertices') -> Floats:
+    """Return the numbers of an accessor, normalised to [-1, 1] if it says so; none for None."""
+    if index is None:
+        return np.zeros((0, 3))
+    numbers = part[name]
+    if tree['accessors'][index].get('normalized'):
+        numbers = np.maximum(numbers.astype(np.float64) / np.iinfo(numbers.dtype).max, -1.0)
+    reals: Floats = numbers.astype(np.float64)
+    return reals

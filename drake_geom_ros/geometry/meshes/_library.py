@@ -1,7 +1,7 @@
 """Functions that use trimesh: convex hulls, smallest boxes, clusters, connected pieces.
 
-They import it when called, since the import takes 2 s and most scenes have no mesh. Only this file
-and that of 3MF import it.
+They import it when called, since the import takes 0.5 s and most scenes have no mesh. Only this
+file and ``_by_trimesh`` import it.
 """
 
 from __future__ import annotations

@@ -2,37 +2,37 @@
 
 The reader uses ``v`` and ``f`` of all objects and groups, and skips normals, textures and
 materials. Curved surfaces and references to other files are errors. There is no unit: numbers are
-metres, as in RViz and Drake.
+metres, as in RViz and Drake. trimesh parses the numbers; it would drop lines that are indented,
+read relative indices of vertices from the end of the file, and skip faces that it does not
+understand, so statements are written anew for it.
 """
 
 from __future__ import annotations
 
-import itertools
 import os
+import re
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes import _by_trimesh
+from drake_geom_ros.geometry.meshes._polygons import cut_faces
 from drake_geom_ros.math.array_types import Floats, Indices
-
-Point = tuple[float, ...]
-_Flat = tuple[float, float]
-
-# Corners of a polygon that are cut off though none is an ear; the remainder becomes a fan.
-_MOST_LOST = 100
 
 # Surfaces that are no polygons, and statements that refer to another file.
 _NOT_READ = ('surf', 'bzp', 'bsp', 'call', 'csh')
+_PLAIN_CORNERS = re.compile('[1-9][0-9]*(?: [1-9][0-9]*)+').fullmatch
 
 
-class _Polygon(NamedTuple):
-    """A face in the file: vertices counted from 0, and its location."""
+class StatementLines(NamedTuple):
+    """Statements of one kind, written for trimesh, and the lines of the file that they are on."""
 
-    vertices: list[int]
-    where: str
+    texts: list[str]
+    numbers: list[int]
 
 
 def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
@@ -66,55 +66,60 @@ def _shortest(x: float) -> str:
 
 def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
     """Return the result of ``read_obj`` for a file's text, which may have no faces."""
-    points: list[Point] = []
-    polygons: list[_Polygon] = []
+    points = StatementLines([], [])
+    faces: dict[int, StatementLines] = defaultdict(
+        lambda: StatementLines([], [])
+    )  # by the number of corners
     for number, words in _statements(text):
-        where = f'{filename}:{number}'
         if words[0] == 'v':
-            points.append(_point(words[1:4], where))
+            points.texts.append(' '.join(words[1:4]))
+            points.numbers.append(number)
         elif words[0] == 'f':
-            polygons.append(_Polygon(_corners(words[1:], len(points), where), where))
+            corners = _corners(words[1:], len(points.texts), f'{filename}:{number}')
+            of_kind = faces[len(words) - 1]
+            of_kind.texts.append(corners)
+            of_kind.numbers.append(number)
         elif words[0] in _NOT_READ:
-            raise MeshFileError(f'{where}: {words[0]!r} is not read; export triangles')
-    if not points:
+            raise MeshFileError(f'{filename}:{number}: {words[0]!r} is not read; export triangles')
+    if not points.texts:
         raise MeshFileError(f"'{filename}' has no faces and no vertices: no line begins with 'v '")
-    triangles: list[tuple[int, int, int]] = []
-    for polygon in polygons:
-        if max(polygon.vertices) >= len(points):
-            raise MeshFileError(
-                f'{polygon.where}: there is no vertex {max(polygon.vertices) + 1}, '
-                f'the file has {len(points)}'
-            )
-        triangles += triangulate(polygon.vertices, [points[i] for i in polygon.vertices])
-    vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
-    return vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3)
+    try:
+        return mesh_of(points, faces)
+    except (ValueError, IndexError):
+        _check_points(points, filename)
+        _check_indices(faces, len(points.texts), filename)
+        raise
 
 
-def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, int]]:
-    """Return the triangles of a plane polygon, with its orientation.
+def mesh_of(points: StatementLines, faces: dict[int, StatementLines]) -> tuple[Floats, Indices]:
+    """Return vertices and triangles; raises ValueError or IndexError for invalid ones.
 
-    Ears are clipped off (Meisters, American Mathematical Monthly 82(6), 1975); a convex polygon
-    becomes a fan about its first corner. ``names`` are the indices of the corners in the result.
+    Faces with as many corners are a material of trimesh, since it keeps the corners of faces that
+    are alike, and cuts others into fans.
     """
-    if len(names) == 3:
-        return [(names[0], names[1], names[2])]
-    flat = _projected(corners)
-    loop = list(range(len(names)))
-    notches = np.array([_turn(*_around(loop, k, flat)) <= 0.0 for k in loop])
-    points, lost, triangles = np.array(flat), 0, []
-    while len(loop) > 3 and lost <= _MOST_LOST and notches[loop].any():
-        inward = points[notches]
-        ears = (k for k in range(1, len(loop)) if _is_ear(_around(loop, k, flat), inward))
-        ear = next(ears, 0)
-        lost += ear == 0  # the polygon crosses itself, or has no area
-        k = ear or 1
-        triangles.append((loop[k - 1], loop[k], loop[(k + 1) % len(loop)]))
-        notches[loop[k]] = False
-        del loop[k]
-        for beside in (k - 1, k % len(loop)):
-            notches[loop[beside]] = _turn(*_around(loop, beside, flat)) <= 0.0
-    triangles += [(loop[0], b, c) for b, c in itertools.pairwise(loop[1:])]
-    return [(names[a], names[b], names[c]) for a, b, c in triangles]
+    lines = [f'v {text}' for text in points.texts]
+    for count, each in faces.items():
+        lines += [f'usemtl {count}', *(f'f {text}' for text in each.texts)]
+    content = '\n'.join(lines).encode()
+    loaded = _by_trimesh.parsed(content, 'obj', skip_materials=True, maintain_order=True)
+    parts = list(loaded['geometry'].values()) if 'geometry' in loaded else [loaded]
+    vertices = np.array(parts[0]['vertices'], dtype=np.float64)
+    if vertices.shape != (len(points.texts), 3) or not np.isfinite(vertices).all():
+        raise ValueError('a vertex is no three finite numbers')
+    # Back in the order of the file.
+    by_count = {part['faces'].shape[1]: part['faces'] for part in parts} if faces else {}
+    lines_of = [number for count in faces for number in faces[count].numbers]
+    places = np.argsort(np.argsort(np.array(lines_of, dtype=np.int64)))
+    counts = np.zeros(len(places), dtype=np.int64)
+    counts[places] = np.repeat(list(faces), [len(each.texts) for each in faces.values()])
+    starts = np.cumsum(counts) - counts
+    corners = np.zeros(counts.sum(), dtype=np.int64)
+    done = 0
+    for count, each in faces.items():
+        rows = places[done : done + len(each.texts)]
+        corners[starts[rows][:, None] + np.arange(count)] = by_count[count]
+        done += len(each.texts)
+    return vertices, cut_faces(corners, counts, vertices).triangles
 
 
 def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
@@ -125,7 +130,7 @@ def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
         if words and words[-1].endswith('\\'):  # goes on in the next line
             pending += [*words[:-1], words[-1][:-1]]
             continue
-        statement = [word for word in pending + words if word]
+        statement = [word for word in pending + words if word] if pending else words
         pending = []
         if statement:
             yield number, statement
@@ -133,64 +138,49 @@ def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
         yield number, pending
 
 
-def _point(words: list[str], where: str) -> Point:
-    """Return the coordinates of a vertex."""
-    try:
-        point = tuple(float(word) for word in words)
-    except ValueError:
-        point = ()
-    if len(point) != 3 or not np.isfinite(point).all():
-        raise MeshFileError(f'{where}: a vertex needs three finite numbers, given {words}')
-    return point
-
-
-def _corners(words: list[str], count: int, where: str) -> list[int]:
-    """Return the vertices of a face, counted from 0, after ``count`` vertices were read."""
+def _corners(words: list[str], count: int, where: str) -> str:
+    """Return the vertices of a face, counted from 1, after ``count`` vertices were read."""
     if len(words) < 3:
         raise MeshFileError(f'{where}: a face needs at least three vertices, given {words}')
+    text = ' '.join([word.partition('/')[0] for word in words])
+    if _PLAIN_CORNERS(text):
+        return text
     corners = []
     for word in words:
         try:
-            index = int(word.split('/', 1)[0])
+            index = int(word.partition('/')[0])
         except ValueError:
             raise MeshFileError(f'{where}: {word!r} is not the index of a vertex') from None
-        corner = index - 1 if index > 0 else count + index  # a negative one counts from the end
-        if index == 0 or corner < 0:
+        corner = index if index > 0 else count + index + 1  # a negative one counts from the end
+        if index == 0 or corner < 1:
             raise MeshFileError(
                 f'{where}: there is no vertex {index}; {count} were given by then, from 1'
             )
-        corners.append(corner)
-    return corners
+        corners.append(str(corner))
+    return ' '.join(corners)
 
 
-def _projected(corners: list[Point]) -> list[_Flat]:
-    """Return the corners in the coordinate plane the polygon faces most, counter-clockwise."""
-    points = np.array(corners)
-    points -= points[0]
-    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)  # Newell
-    k = int(np.argmax(np.abs(normal)))
-    i, j = ((k + 1) % 3, (k + 2) % 3) if normal[k] >= 0.0 else ((k + 2) % 3, (k + 1) % 3)
-    return [(point[i], point[j]) for point in points.tolist()]
+def _check_points(points: StatementLines, filename: str | os.PathLike[str]) -> None:
+    """Raise MeshFileError for the first vertex that is no three finite numbers."""
+    for text, number in zip(*points, strict=True):
+        try:
+            point = [float(word) for word in text.split()]
+        except ValueError:
+            point = []
+        if len(point) != 3 or not np.isfinite(point).all():
+            raise MeshFileError(
+                f'{filename}:{number}: a vertex needs three finite numbers, given {text.split()}'
+            )
 
 
-def _around(loop: list[int], k: int, flat: list[_Flat]) -> tuple[_Flat, _Flat, _Flat]:
-    """Return corner k of a loop between its neighbours."""
-    return flat[loop[k - 1]], flat[loop[k]], flat[loop[(k + 1) % len(loop)]]
-
-
-def _is_ear(corner: tuple[_Flat, _Flat, _Flat], inward: Floats) -> bool:
-    """Return whether a corner can be cut off: it is convex, and no other corner is in it.
-
-    If another corner is in it, so is one of the reflex corners ``inward`` (k, 2).
-    """
-    a, b, c = corner
-    if _turn(a, b, c) <= 0.0:
-        return False
-    p = inward.T
-    inside = (_turn(a, b, p) >= 0.0) & (_turn(b, c, p) >= 0.0) & (_turn(c, a, p) >= 0.0)
-    return all(tuple(q) in corner for q in inward[inside].tolist())
-
-
-def _turn(a: _Flat, b: _Flat, c: Any) -> Any:
-    """Return twice the area of the triangle a b c, positive for a left turn; c may be many."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+def _check_indices(
+    faces: dict[int, StatementLines], count: int, filename: str | os.PathLike[str]
+) -> None:
+    """Raise MeshFileError for the first face with a vertex beyond the last one."""
+    for each in faces.values():
+        for text, number in zip(*each, strict=True):
+            highest = max(map(int, text.split()))
+            if highest > count:
+                raise MeshFileError(
+                    f'{filename}:{number}: there is no vertex {highest}, the file has {count}'
+                )

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from drake_geom_ros.geometry.meshes._obj_file import triangulate
+from drake_geom_ros.geometry.meshes._obj_file import StatementLines, mesh_of
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
 
 _HEADERS = ('OFF', 'COFF')  # of vertices alone, or of vertices with colours
 
 
 def parse_off(data: bytes) -> ParsedMesh:
-    """Return the mesh in an OFF file; raises ValueError for a truncated or other file."""
+    """Return the mesh in an OFF file; raises ValueError for a truncated or other file.
+
+    It is read as the faces of an OBJ file, since trimesh's own reader cuts each face into a fan.
+    """
     text = data.decode('utf-8-sig', errors='replace')
     lines = [words for line in text.splitlines() if (words := line.split('#', 1)[0].split())]
     head = lines.pop(0) if lines else []
@@ -26,19 +27,23 @@ def parse_off(data: bytes) -> ParsedMesh:
             f'its header states {vertex_count} vertices and {face_count} faces, and {len(lines)} '
             'lines follow'
         )
-    vertices = np.array([_point(words) for words in lines[:vertex_count]]).reshape(-1, 3)
-    triangles: list[tuple[int, int, int]] = []
-    for words in lines[vertex_count:]:
+    rows = list(range(len(lines)))
+    points = StatementLines([_point(each) for each in lines[:vertex_count]], rows)
+    faces: dict[int, StatementLines] = {}
+    for row, words in enumerate(lines[vertex_count:]):
         corners = [int(word) for word in words[1 : int(words[0]) + 1]]
         if len(corners) != int(words[0]) or len(corners) < 3:
             raise ValueError(f'the face {" ".join(words)!r} has no {words[0]} vertices, 3 or more')
         if not 0 <= min(corners) <= max(corners) < vertex_count:
             raise ValueError(f'a face has the vertex {max(corners)}; there are {vertex_count}')
-        triangles += triangulate(corners, [tuple(vertices[k].tolist()) for k in corners])
-    return ParsedMesh(vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3))
+        of_kind = faces.setdefault(len(corners), StatementLines([], []))
+        of_kind.texts.append(' '.join(str(corner + 1) for corner in corners))
+        of_kind.numbers.append(row)
+    return ParsedMesh(*mesh_of(points, faces))
 
 
-def _point(words: list[str]) -> list[float]:
-    if len(words) < 3:
+def _point(words: list[str]) -> str:
+    """Return the three numbers of a vertex; raises ValueError for others."""
+    if len([float(word) for word in words[:3]]) < 3:
         raise ValueError(f'{" ".join(words)!r} is no vertex')
-    return [float(word) for word in words[:3]]
+    return ' '.join(words[:3])

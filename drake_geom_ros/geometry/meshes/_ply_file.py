@@ -1,34 +1,39 @@
 """PLY files, text and binary: ``vertex`` and ``face``, with their colours.
 
-The format has no unit: numbers are metres, as in RViz.
+The format has no unit: numbers are metres, as in RViz. trimesh parses the numbers. It takes the
+first of an element's lists for the lengths of all, rounds text to single precision, and leaves out
+what a row has too much; so rows are checked, or written anew, before.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+import struct
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry.meshes._obj_file import triangulate
+from drake_geom_ros.geometry.meshes import _by_trimesh
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+from drake_geom_ros.geometry.meshes._polygons import cut_faces
 from drake_geom_ros.math.array_types import Floats, Indices
 
-_KINDS = {
-    name: kind
-    for kind, names in {
-        'i1': 'char int8',
-        'u1': 'uchar uint8',
-        'i2': 'short int16',
-        'u2': 'ushort uint16',
-        'i4': 'int int32',
-        'u4': 'uint uint32',
-        'f4': 'float float32',
-        'f8': 'double float64',
-    }.items()
-    for name in names.split()
+# Names of types by the characters of ``struct``.
+_OF_KINDS = {
+    'b': 'char int8',
+    'B': 'uchar uint8',
+    'h': 'short int16',
+    'H': 'ushort uint16',
+    'i': 'int int32',
+    'I': 'uint uint32',
+    'f': 'float float32',
+    'd': 'double float64',
 }
+_KINDS = {name: kind for kind, names in _OF_KINDS.items() for name in names.split()}
 _ORDERS = {'binary_little_endian': '<', 'binary_big_endian': '>'}
 _END = b'end_header'
+_LISTS = ('vertex_index', 'vertex_indices')
+_COLOURS = ('red', 'green', 'blue')
+_KNOWN = ('vertex', 'face', *'xyz', *_LISTS, *_COLOURS)
 
 
 class _Property(NamedTuple):
@@ -46,62 +51,9 @@ class _Element(NamedTuple):
     rows: int
     properties: list[_Property]
 
-
-Columns = dict[str, Floats]
-Lists = dict[str, tuple[Indices, Indices]]
-
-
-class _TruncatedError(Exception):
-    """Raised if the file has fewer numbers than its header states."""
-
-
-class _PlyBody(Protocol):
-    """Reader of the numbers after the header, in their order."""
-
-    position: int
-
-    def table(self, kinds: list[str], rows: int) -> Floats:
-        """Return numbers (rows, len(kinds)); raises _TruncatedError if there are too few."""
-
-    def left(self) -> str:
-        """Return a description of the unread remainder; empty for none."""
-
-
-class _Text:
-    def __init__(self, body: bytes) -> None:
-        self.position = 0
-        self._words = body.split()
-
-    def table(self, kinds: list[str], rows: int) -> Floats:
-        end = self.position + rows * len(kinds)
-        words = self._words[self.position : end]
-        if len(words) < rows * len(kinds):
-            raise _TruncatedError
-        self.position = end
-        return np.array(words, dtype=np.float64).reshape(rows, len(kinds))
-
-    def left(self) -> str:
-        count = len(self._words) - self.position
-        return f'{count} numbers' if count else ''
-
-
-class _Binary:
-    def __init__(self, body: bytes, order: str) -> None:
-        self.position = 0
-        self._body, self._order = body, order
-
-    def table(self, kinds: list[str], rows: int) -> Floats:
-        row = np.dtype([(str(k), self._order + kind) for k, kind in enumerate(kinds)])
-        if len(self._body) - self.position < rows * row.itemsize:
-            raise _TruncatedError
-        table = np.frombuffer(self._body, row, rows, self.position)
-        self.position += rows * row.itemsize
-        columns = [table[str(k)].astype(np.float64) for k in range(len(kinds))]
-        return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
-
-    def left(self) -> str:
-        count = len(self._body) - self.position
-        return f'{count} bytes' if count else ''
+    def of(self, name: str) -> _Property | None:
+        """Return the property of a name, None if there is none."""
+        return next((each for each in self.properties if each.name == name), None)
 
 
 def parse_ply(data: bytes) -> ParsedMesh:
@@ -110,35 +62,25 @@ def parse_ply(data: bytes) -> ParsedMesh:
     if not data.startswith(b'ply') or end < 0:
         raise ValueError("it does not begin as a PLY file: 'ply' and a header up to 'end_header'")
     order, elements = _header(data[:end].decode(errors='replace'))
-    start = data.index(b'\n', end) + 1
-    body: _PlyBody = (
-        _Binary(data[start:], _ORDERS[order]) if order in _ORDERS else _Text(data[start:])
-    )
-    tables = {element.name: _read(body, element) for element in elements}
-    if body.left():
-        raise ValueError(f'{body.left()} are left over after what its header tells of')
     by_name = {element.name: element for element in elements}
     if 'tristrips' in by_name:
         raise ValueError("it has 'tristrips'; 'face' is read")
-    columns = tables['vertex'][0] if 'vertex' in tables else {}
-    if missing := [axis for axis in 'xyz' if axis not in columns]:
+    vertex, face = by_name.get('vertex'), by_name.get('face')
+    if missing := [axis for axis in 'xyz' if vertex is None or vertex.of(axis) is None]:
         raise ValueError(f"its header has no {', '.join(missing)} of an element 'vertex'")
-    vertices = np.stack([columns[axis] for axis in 'xyz'], axis=1)
-    none = np.zeros((0, 3), dtype=np.int64)
-    if 'face' not in tables:
-        return ParsedMesh(vertices, none)
-    of_faces, lists = tables['face']
-    corners, counts = next(
-        (lists[name] for name in ('vertex_index', 'vertex_indices') if name in lists),
-        (none[:, 0], np.zeros(0, dtype=np.int64)),
-    )
-    if by_name['face'].rows and not len(counts):
+    assert vertex is not None
+    name = next((each for each in _LISTS if face is not None and face.of(each) is not None), '')
+    if face is not None and face.rows and not name:
         raise ValueError("its faces have no list 'vertex_index' or 'vertex_indices'")
-    triangles, faces = _triangles(corners, counts, vertices)
-    colours = _colours(by_name['face'], of_faces)
+    tables = _tables(order, elements, data[data.index(b'\n', end) + 1 :])
+    vertices = np.column_stack([_column(tables, vertex, axis) for axis in 'xyz'])
+    if face is None or not face.rows:
+        return ParsedMesh(vertices, np.zeros((0, 3), dtype=np.int64))
+    triangles, faces = cut_faces(*_list(tables['face'][name], face.rows), vertices)
+    colours = _colours(tables, face)
     if colours is not None:
         return ParsedMesh(vertices, triangles, colours[faces].astype(np.float32))
-    colours = _colours(by_name['vertex'], columns)
+    colours = _colours(tables, vertex)
     if colours is not None:
         colours = colours[triangles].mean(axis=1).astype(np.float32)
     return ParsedMesh(vertices, triangles, colours)
@@ -175,92 +117,150 @@ def _refuse_doubles(what: str, names: list[str]) -> None:
             raise ValueError(f'its header has the {what} {name!r} twice; it must be there once')
 
 
-def _read(body: _PlyBody, element: _Element) -> tuple[Columns, Lists]:
-    """Return the columns (rows,) of an element, and its lists: their members and their lengths."""
-    start = body.position
-    try:
-        blocks = _alike(body, element)
-        if blocks is None:
-            body.position = start
-            blocks = [_row(body, element.properties) for _ in range(element.rows)]
-    except _TruncatedError:
-        raise ValueError(
-            f'its header tells of {element.rows} rows of {element.name!r}: it is truncated'
-        ) from None
-    columns: Columns = {}
-    lists: Lists = {}
-    for k, each in enumerate(element.properties):
-        parts = [row[k] for row in blocks]
-        members = np.concatenate([np.zeros(0), *(part.ravel() for part in parts)])
-        if each.size:
-            lengths = [np.full(len(part), part.shape[1], dtype=np.int64) for part in parts]
-            none = np.zeros(0, dtype=np.int64)
-            lists[each.name] = members.astype(np.int64), np.concatenate([none, *lengths])
-        else:
-            columns[each.name] = members
-    return columns, lists
+def _tables(order: str, elements: list[_Element], body: bytes) -> dict[str, Any]:
+    """Return trimesh's tables of all elements, checked against the header."""
+    if order in _ORDERS:
+        try:
+            tables = _parsed(order, elements, body)
+            if all(_is_even(tables[each.name], each) for each in elements):
+                return tables
+        except ValueError:
+            pass  # too short, too long, or of lists that differ in length
+        body = _rows_as_text(elements, body, _ORDERS[order])
+    words = _count_words(elements, body)
+    tables = _parsed('ascii', elements, body)
+    if (found := sum(_size(tables[each.name], each) for each in elements)) != words:
+        raise ValueError(f'of its {words} numbers {found} can be read')
+    return tables
 
 
-def _row(body: _PlyBody, properties: list[_Property]) -> list[Floats]:
-    """Return the values (1, members) of each property in the next row."""
-    values = []
-    for each in properties:
-        members = int(body.table([each.size], 1)[0, 0]) if each.size else 1
-        values.append(body.table([each.kind] * members, 1))
-    return values
+def _parsed(order: str, elements: list[_Element], body: bytes) -> dict[str, Any]:
+    """Return the tables that trimesh reads, by a header of plain names."""
+    lines = ['ply', f'format {order} 1.0']
+    for place, element in enumerate(elements):
+        if element.rows:
+            lines.append(f'element {_plain(element.name, place)} {element.rows}')
+            for k, each in enumerate(element.properties):
+                kind, size = (_OF_KINDS.get(kind, '').partition(' ')[0] for kind in each[1:])
+                if order == 'ascii':  # numbers are as in the text, whatever their type
+                    kind = 'int' if size and each.kind not in 'fd' else 'double'
+                of_list = f'list {size} ' if size else ''
+                lines.append(f'property {of_list}{kind} {_plain(each.name, k)}')
+    head = '\n'.join([*lines, 'end_header', '']).encode()
+    loaded = _by_trimesh.parsed(head + body, 'ply', skip_materials=True, fix_texture=False)
+    raw = loaded['metadata']['_ply_raw']
+    return {
+        element.name: {
+            each.name: _values(raw, _plain(element.name, place), _plain(each.name, k))
+            for k, each in enumerate(element.properties)
+        }
+        for place, element in enumerate(elements)
+    }
 
 
-def _alike(body: _PlyBody, element: _Element) -> list[list[Floats]] | None:
-    """Return the values (rows, members) of each property, or None if lists differ in length.
-
-    Usually all rows have the lengths of the first one; other tables are read row by row, slowly.
-    """
-    if not element.rows:
-        return []
-    start = body.position
-    widths = [part.shape[1] for part in _row(body, element.properties)]
-    body.position = start
-    kinds: list[str] = []
-    places = []
-    for each, width in zip(element.properties, widths, strict=True):
-        kinds += [each.size] if each.size else []
-        places.append(len(kinds))
-        kinds += [each.kind] * width
-    try:
-        table = body.table(kinds, element.rows)
-    except _TruncatedError:
-        return None
-    for each, place, width in zip(element.properties, places, widths, strict=True):
-        if each.size and (table[:, place - 1] != width).any():
-            return None
-    return [[table[:, k : k + width] for k, width in zip(places, widths, strict=True)]]
+def _plain(name: str, place: int) -> str:
+    """Return the name of an element or property for trimesh, which acts on others, too."""
+    return name if name in _KNOWN else f'other_{place}'
 
 
-def _triangles(corners: Indices, counts: Indices, vertices: Floats) -> tuple[Indices, Indices]:
-    """Return the triangles (m, 3) of faces with ``counts`` corners, and the face of each."""
-    if len(corners) and not 0 <= corners.min() <= corners.max() < len(vertices):
-        raise ValueError(f'a face has the vertex {corners.max()}; there are {len(vertices)}')
-    if (counts == 3).all():
-        return corners.reshape(-1, 3), np.arange(len(counts))
-    triangles: list[tuple[int, int, int]] = []
-    faces: list[int] = []
-    ends = np.cumsum(counts).tolist()
-    for face, (end, count) in enumerate(zip(ends, counts.tolist(), strict=True)):
-        if count < 3:
-            raise ValueError(f'face {face} has {count} corners')
-        names = corners[end - count : end].tolist()
-        x, y, z = vertices[names].T.tolist()
-        made = triangulate(names, list(zip(x, y, z, strict=True)))
-        triangles += made
-        faces += [face] * len(made)
-    return np.array(triangles, dtype=np.int64).reshape(-1, 3), np.array(faces, dtype=np.int64)
+def _values(raw: dict[str, Any], element: str, name: str) -> Any:
+    """Return the values of a property; an empty element has none."""
+    table = raw.get(element, {}).get('data')
+    return np.zeros(0) if table is None else table[name]
 
 
-def _colours(element: _Element, columns: Columns) -> Floats | None:
+def _is_even(table: dict[str, Any], element: _Element) -> bool:
+    """Return whether the lists of a binary element are as long as trimesh takes them for."""
+    lists = [table[each.name] for each in element.properties if each.size and element.rows]
+    return all((each['f0'] == each['f1'].shape[1]).all() for each in lists)
+
+
+def _size(table: dict[str, Any], element: _Element) -> int:
+    """Return how many words an element of text has, with the lengths of its lists."""
+    size = 0
+    for each in element.properties:
+        if element.rows:
+            members = _list(table[each.name], element.rows)[0]
+            size += len(members) + (element.rows if each.size else 0)
+    return size
+
+
+def _list(values: Any, rows: int) -> tuple[Indices, Indices]:
+    """Return the members of a list property, and how many each row has."""
+    if values.dtype.names:
+        values = values['f1']
+    if values.dtype == object:
+        counts = np.array([len(each) for each in values], dtype=np.int64)
+        return np.concatenate(list(values)).astype(np.int64), counts
+    members = values.reshape(rows, -1)
+    return members.ravel().astype(np.int64), np.full(rows, members.shape[1], dtype=np.int64)
+
+
+def _column(tables: dict[str, Any], element: _Element, name: str) -> Floats:
+    """Return the column (rows,) of a property."""
+    column: Floats = np.ravel(tables[element.name][name]).astype(np.float64)
+    return column
+
+
+def _colours(tables: dict[str, Any], element: _Element) -> Floats | None:
     """Return the colours (rows, 3) from 0 to 1 of an element's rows, None where it has none."""
-    names = ('red', 'green', 'blue')
-    if not all(name in columns for name in names):
+    kinds = [each.kind for name in _COLOURS if (each := element.of(name)) is not None]
+    if len(kinds) < len(_COLOURS):
         return None
-    kinds = {each.name: np.dtype(each.kind) for each in element.properties}
-    most = [1 if kinds[name].kind == 'f' else np.iinfo(kinds[name]).max for name in names]
-    return np.stack([columns[name] for name in names], axis=1) / most
+    most = [1 if kind in 'fd' else np.iinfo(np.dtype(kind)).max for kind in kinds]
+    return np.column_stack([_column(tables, element, name) for name in _COLOURS]) / most
+
+
+def _count_words(elements: list[_Element], body: bytes) -> int:
+    """Return how many words the rows of text have.
+
+    Raises ValueError for rows that are missing, left over, or of another length than their lists
+    say.
+    """
+    rows = [words for row in body.splitlines() if (words := row.split())]
+    done = 0
+    for element in elements:
+        mine = rows[done : done + element.rows]
+        if len(mine) < element.rows:
+            raise ValueError(_truncated(element))
+        for words in mine:
+            width = 0
+            for each in element.properties:
+                width += 1 + (int(words[width]) if each.size and width < len(words) else 0)
+            if width != len(words):
+                raise ValueError(
+                    f'a row of {element.name!r} has {len(words)} numbers, not {width}'
+                )
+        done += element.rows
+    if left := sum(map(len, rows[done:])):
+        raise ValueError(f'{left} numbers are left over after what its header tells of')
+    return sum(map(len, rows))
+
+
+def _rows_as_text(elements: list[_Element], body: bytes, order: str) -> bytes:
+    """Return the rows of a binary file, whose lists differ in length, as lines of text."""
+    lines: list[str] = []
+    place = 0
+    for element in elements:
+        for _ in range(element.rows):
+            words: list[str] = []
+            for each in element.properties:
+                count = 1
+                try:
+                    if each.size:
+                        (count,) = struct.unpack_from(order + each.size, body, place)
+                        place += struct.calcsize(order + each.size)
+                        words.append(str(int(count)))
+                    kinds = f'{order}{int(count)}{each.kind}'
+                    words += map(repr, struct.unpack_from(kinds, body, place))
+                except struct.error:
+                    raise ValueError(_truncated(element)) from None
+                place += struct.calcsize(kinds)
+            lines.append(' '.join(words))
+    if left := len(body) - place:
+        raise ValueError(f'{left} bytes are left over after what its header tells of')
+    return '\n'.join(lines).encode()
+
+
+def _truncated(element: _Element) -> str:
+    return f'its header tells of {element.rows} rows of {element.name!r}: it is truncated'

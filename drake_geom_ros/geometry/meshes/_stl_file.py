@@ -1,12 +1,16 @@
-"""STL files, binary and text. The format has no unit: numbers are metres, as in RViz and Drake."""
+"""STL files, binary and text. The format has no unit: numbers are metres, as in RViz and Drake.
+
+trimesh parses them, once they are known to be whole: it would read damaged text in part, and take
+the words of a name for numbers.
+"""
 
 from __future__ import annotations
 
 import codecs
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.geometry.meshes import _by_trimesh
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
 from drake_geom_ros.geometry.tolerances import UNIT_NORMAL
 
@@ -24,12 +28,13 @@ def parse_stl(data: bytes) -> ParsedMesh:
     end = _HEADER + stated_count * _FACET.itemsize
     remarks: tuple[str, ...] = ()
     text = data.removeprefix(codecs.BOM_UTF8)
+    count = stated_count
     if len(data) == end:
-        corners = np.frombuffer(data, _FACET, stated_count, _HEADER)['corners']
+        content = data
     elif text.lstrip()[:5].lower() == b'solid' and b'\0' not in text:
-        corners = _corners_in(text.decode(errors='replace'))
+        content, count = _solids_in(text.decode(errors='replace'))
     elif stated_count and end < len(data) and not _may_be_facets(data[end:]):
-        corners = np.frombuffer(data, _FACET, stated_count, _HEADER)['corners']
+        content = data[:end]
         remarks = (f'{len(data) - end} bytes behind its {stated_count} triangles are left out',)
     elif len(data) < _HEADER:
         raise ValueError(
@@ -45,9 +50,13 @@ def parse_stl(data: bytes) -> ParsedMesh:
             f'its header tells of {stated_count} triangles, and {actual_count} are found in '
             f'{len(data)} bytes: {reason}'
         )
-    if not len(corners):
+    if not count:
         raise ValueError('it has no triangles')
-    vertices = corners.reshape(-1, 3).astype(np.float64)
+    loaded = _by_trimesh.parsed(content, 'stl')
+    solids = loaded['geometry'].values() if 'geometry' in loaded else [loaded]
+    vertices = np.concatenate([np.asarray(each['vertices'], np.float64) for each in solids])
+    if vertices.shape != (3 * count, 3):
+        raise ValueError(f'of its {count} triangles {len(vertices) // 3} can be read')
     return ParsedMesh(vertices, np.arange(len(vertices)).reshape(-1, 3), remarks=remarks)
 
 
@@ -61,25 +70,23 @@ def _may_be_facets(data: bytes) -> bool:
     return is_normal and bool(np.isfinite(facet['corners']).all())
 
 
-def _corners_in(text: str) -> NDArray[np.float64]:
-    """Return the corners (m, 3, 3) of the facets in a file of text."""
-    corners: list[list[float]] = []
-    facets = 0
+def _solids_in(text: str) -> tuple[bytes, int]:
+    """Return the vertices of a file of text, in solids without names, and its facets' number."""
+    lines: list[str] = []
+    vertices = facets = 0
     inside = False  # a solid
     for number, line in enumerate(text.splitlines(), start=1):
-        words = line.split()
-        word = words[0].lower() if words else ''
+        words = line.lower().split()
+        word = words[0] if words else ''
         if word == 'vertex':
-            try:
-                x, y, z = map(float, words[1:])
-            except ValueError:
-                raise ValueError(f'line {number}: {line.strip()!r} is no vertex') from None
-            corners.append([x, y, z])
+            _check_vertex(words, line, number)
+            vertices += 1
+            lines.append(' '.join(words))
         elif word == 'endfacet':
             facets += 1
-            if len(corners) != 3 * facets:
+            if vertices != 3 * facets:
                 raise ValueError(
-                    f'line {number}: facet {facets} has {len(corners) - 3 * facets + 3} vertices'
+                    f'line {number}: facet {facets} has {vertices - 3 * facets + 3} vertices'
                 )
         elif word in ('solid', 'endsolid'):
             if inside == (word == 'solid'):
@@ -87,6 +94,17 @@ def _corners_in(text: str) -> NDArray[np.float64]:
                     f'line {number}: {word!r} {"within" if inside else "without"} a solid'
                 )
             inside = not inside
-    if inside or len(corners) != 3 * facets:
+            lines.append(word)
+    if inside or vertices != 3 * facets:
         raise ValueError(f"it is truncated: {facets} triangles are found, and no 'endsolid'")
-    return np.array(corners, dtype=np.float64).reshape(-1, 3, 3)
+    return '\n'.join([*lines, '']).encode(), facets
+
+
+def _check_vertex(words: list[str], line: str, number: int) -> None:
+    """Raise ValueError for a vertex that is no three numbers."""
+    try:
+        is_point = len([float(word) for word in words[1:]]) == 3
+    except ValueError:
+        is_point = False
+    if not is_point:
+        raise ValueError(f'line {number}: {line.strip()!r} is no vertex')

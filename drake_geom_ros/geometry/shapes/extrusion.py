@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.meshes._obj_file import triangulate
+from drake_geom_ros.geometry.meshes._polygons import triangulate
 from drake_geom_ros.geometry.meshes.source import MeshData
 
 

@@ -111,6 +111,28 @@ def with_buffer(tree, data, indices):
     return {'bufferViews': views, 'accessors': accessors, 'buffers': buffers}
 
 
+def test_a_fan_has_its_own_corners():
+    """And not all vertices of its mesh: trimesh leaves fans out."""
+    tree = gltf_tree()
+    tree['meshes'][0]['primitives'] = [{'attributes': {'POSITION': 0}, 'indices': 1, 'mode': 6}]
+    data = BOX.astype('<f4').tobytes() + np.array([7, 5, 4], '<u2').tobytes()
+    _, triangles = surface(memory(gltf(**{**tree, **with_buffer(tree, data, 3)})), ONES)
+    assert triangles.tolist() == [[7, 5, 4]]
+    tree['meshes'][0]['primitives'] = [{'attributes': {'POSITION': 0}, 'mode': 6}]
+    assert len(surface(memory(gltf(**tree)), ONES)[1]) == 6
+
+
+def test_a_node_with_a_camera_keeps_its_mesh_and_its_children():
+    nodes = [
+        {'camera': 0, 'mesh': 0, 'translation': [1, 0, 0], 'children': [1]},
+        {'mesh': 0, 'translation': [4, 0, 0], 'name': 'world'},
+    ]
+    cameras = [{'type': 'perspective', 'perspective': {'yfov': 1.0, 'znear': 0.1}}]
+    vertices, triangles = surface(memory(gltf(nodes, cameras=cameras)), ONES)
+    assert extents(vertices) == [1, -3, 0, 6, 0, 2]
+    assert len(triangles) == 24
+
+
 def test_points_and_lines_count_for_hulls_only():
     tree = gltf_tree()
     tree['meshes'][0]['primitives'] = [{'attributes': {'POSITION': 0}, 'mode': 1}]

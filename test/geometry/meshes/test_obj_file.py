@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drake_geom_ros.geometry import MeshFileError
-from drake_geom_ros.geometry.meshes._obj_file import read_obj, triangulate
+from drake_geom_ros.geometry.meshes._obj_file import read_obj
+from drake_geom_ros.geometry.meshes._polygons import triangulate
 
 SQUARE = 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n'
 
@@ -59,6 +60,31 @@ def test_objects_are_merged(tmp_path):
     vertices, triangles = read(tmp_path, text)
     assert len(vertices) == 7
     assert triangles.tolist() == [[0, 1, 2], [4, 5, 6], [4, 5, 6]]
+
+
+def test_relative_indices_count_from_their_line(tmp_path):
+    """Not from the end of the file, as trimesh alone takes them."""
+    text = f'{SQUARE}f -4 -3 -2\nf -1 1 3\n{SQUARE}f -4 -3 -2 -1\n'
+    triangles = read(tmp_path, text)[1].tolist()
+    assert triangles == [[0, 1, 2], [3, 0, 2], [4, 5, 6], [4, 6, 7]]
+
+
+@given(
+    rows=st.lists(st.tuples(*3 * [st.floats(-1e3, 1e3)]), min_size=6, max_size=9),
+    sizes=st.lists(st.integers(3, 6), min_size=1, max_size=8),
+    spelling=st.sampled_from(['{}', '{}/1', '{}//2', '{}/1/2', '0{}']),
+    data=st.data(),
+)
+def test_what_is_written_is_read_to_the_last_bit(tmp_path_factory, rows, sizes, spelling, data):
+    """Vertices and faces in their order, however many corners the faces have."""
+    corners = st.permutations(range(len(rows)))
+    faces = [data.draw(corners)[:size] for size in sizes]
+    lines = [f'v {x!r} {y!r} {z!r}' for x, y, z in rows]
+    lines += ['f ' + ' '.join(spelling.format(k + 1) for k in face) for face in faces]
+    vertices, triangles = read(tmp_path_factory.mktemp('obj'), '\n'.join(lines))
+    assert vertices.tolist() == [list(row) for row in rows]
+    expected = [t for face in faces for t in triangulate(list(face), [rows[k] for k in face])]
+    assert triangles.tolist() == [list(each) for each in expected]
 
 
 @pytest.mark.parametrize(

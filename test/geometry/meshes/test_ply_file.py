@@ -151,3 +151,38 @@ def test_what_a_header_has_twice_is_refused(line, twice, told):
 def test_vertices_without_a_coordinate_are_refused(line, other, told):
     with pytest.raises(MeshFileError, match=told):
         read(ply().replace(line, other, 1))
+
+
+def test_numbers_of_text_are_not_rounded_to_their_type():
+    text = ply().replace(b'0 0 0 7\n', b'0.1 0 1e-9 7\n', 1)
+    assert read(text)[0][0].tolist() == [0.1, 0.0, 1e-9]
+
+
+@pytest.mark.parametrize(
+    ('row', 'damaged', 'reason'),
+    [
+        (b'-1 3 0 1 3\n', b'-1 4 0 1 3\n', "a row of 'face' has 5 numbers, not 6"),
+        (b'-1 3 0 1 3\n', b'-1 3 0 1 3 2\n', "a row of 'face' has 6 numbers, not 5"),
+        (b'-1 3 0 1 3\n', b'-1 4 0 1 3 x\n', 'of its .* can be read|could not be read'),
+        (b'1 2 3 7\n', b'1 x 3 7\n', 'can be read|could not be read|holds no mesh'),
+    ],
+)
+def test_a_row_of_text_that_trimesh_would_cut_is_refused(row, damaged, reason):
+    content = ply()
+    assert row in content
+    with pytest.raises(MeshFileError, match=reason):
+        read(content.replace(row, damaged, 1))
+
+
+@pytest.mark.parametrize('order', ['ascii', *ORDERS])
+def test_other_elements_and_texture_coordinates_are_passed_over(order):
+    """Edges would be a path for trimesh, and coordinates of textures another order of vertices."""
+    extra = 'element edge 2\nproperty int vertex1\nproperty int vertex2\n'
+    content = ply(order, MIXED, extra=extra).replace(b'uchar flag', b'uchar s')
+    if order == 'ascii':
+        content += b'0 1\n1 2\n'
+    else:
+        content += np.array([0, 1, 1, 2], f'{ORDERS[order]}i4').tobytes()
+    vertices, triangles = read(content)
+    np.testing.assert_array_equal(vertices, BOX)
+    assert volume(vertices, triangles) == pytest.approx(6.0)

@@ -64,6 +64,9 @@ def test_all_triangles_are_read(content):
         (solid(BOX[SIDES]).replace('vertex 1 2 3\n', '', 1), 'has 2 vertices'),
         (solid(BOX[SIDES]).replace('vertex 1 2 3\n', 'vertex 1 2 x\n', 1), 'line '),
         (solid(BOX[[[0, 1, 3, 2]]]), 'has 4 vertices'),
+        # trimesh alone ends at what is no number, here behind whole triangles.
+        (solid(BOX[SIDES])[::-1].replace('3 2 1 xetrev', '3 2 x xetrev', 1)[::-1], 'is no vertex'),
+        (solid(BOX[SIDES]).replace('vertex 1 2 3', 'vertex 1_0 2 3', 1), 'box'),
     ],
 )
 def test_what_is_truncated_or_damaged_is_refused(content, reason):
