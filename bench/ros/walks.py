@@ -93,7 +93,7 @@ class _Node:
         results = {name: _Publisher() for name in ('penetrations', 'signed_distances')}
         silent = SimpleNamespace(get_subscription_count=lambda: 0)
         publishers = {**results, 'cycle_report': silent}
-        topics = RuleTopics(_Publisher(), _Publisher(), _Publisher())
+        topics = RuleTopics(*(_Publisher() for _ in RuleTopics._fields))
         types = SimpleNamespace(**vars(msg), Float64=Float64)
         rules = RuleEvents(topics, types, lambda: RuleSettings(1.0), lambda *_: None)
         contacts = ContactTopic(
