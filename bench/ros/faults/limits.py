@@ -14,6 +14,7 @@ from drake_geom_msgs import srv
 from rclpy.serialization import serialize_message
 
 from bench.ros.faults.site import LOST, Site
+from drake_geom_ros.live.services.saved_file import MARK
 
 SPARE_MEMORY = (8, 32, 128)  # [MiB] that the node may take on top of what it has
 POINTS = 6000  # asked about: 48 MB with two arms
@@ -53,7 +54,7 @@ def full_disk(site: Site) -> str:
     """Let the node write a few bytes only: what was saved before stays whole."""
     path = site.folder / 'full.yaml'
     with site.alone():
-        path.write_text(before := 'sources: [before]\n')
+        path.write_text(before := f'{MARK}sources: [before]\n')
         with limited(site.pid, resource.RLIMIT_FSIZE, SMALL_FILE):
             answer = _save(site, path)
         if answer.success or path.read_text() != before:
