@@ -121,7 +121,13 @@ setup(
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     # Kernels are there in a tree that `./run wheels` builds from.
     package_data={
-        NAME: ['py.typed', '*/*.schema.json', '_kernels/*/*.kernel', '_kernels/*/*/*.kernel']
+        NAME: [
+            'py.typed',
+            '*/*.schema.json',
+            'viewing/page/static/*',
+            '_kernels/*/*.kernel',
+            '_kernels/*/*/*.kernel',
+        ]
     },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),

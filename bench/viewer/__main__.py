@@ -30,7 +30,9 @@ from truth.judging.asking import BodyScene
 
 RATE = 20.0  # [Hz]
 MAX_DISTANCE = 0.15  # [m]
-DRAWN = '__viserTestpoints.rendererInfo.render.frame'  # how often viser's page has drawn so far
+_INSIDE = "document.getElementById('picture').contentWindow"
+# How often viser's page has drawn so far.
+DRAWN = f'{_INSIDE}.__viserTestpoints.rendererInfo.render.frame'
 SETTLING = 10.0  # [s] until the page is drawn and shown
 _BODIES = (
     *(Body('Sphere', (0.05,)), Body('Box', (0.1, 0.08, 0.06)), Body('Capsule', (0.03, 0.1))),

@@ -3,7 +3,10 @@
 import argparse
 import sys
 import threading
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from drake_geom_ros.command_line.configurations import (
     add_joints_to,
@@ -22,12 +25,21 @@ from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.recording_input import add_topics_to, topics_of
 from drake_geom_ros.command_line.scene_input import add_scene_options
-from drake_geom_ros.geometry import ArgumentError, FramePoseVector
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    CollisionFilterDeclaration,
+    FramePoseVector,
+    GeometryId,
+    GeometrySet,
+    QueryObject,
+)
+from drake_geom_ros.recordings.pair_sets import pair_sets, selected_pairs
 from drake_geom_ros.recordings.recorded_poses import recorded_poses
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.viewing.joint_sliders import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
+from drake_geom_ros.viewing.page.motion_control import PlottedPairs
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.page.serving import LOCALHOST, PORT, open_server, warning
 from drake_geom_ros.viewing.timeline import Timeline
@@ -63,6 +75,14 @@ def add_to(commands: Any) -> None:
     moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
     add_states_to(moving)
     add_joints_to(parser)
+    parser.add_argument(
+        '--between',
+        action='append',
+        default=[],
+        metavar='A:B',
+        help='pairs of two names or patterns of sources, frames or geometries that the plot of '
+        'the motion is about (default: all); may be repeated',
+    )
     parser.add_argument(
         '--max-distance',
         type=distance,
@@ -122,11 +142,31 @@ def open_page(options: argparse.Namespace) -> Page:
         scene,
         joints=joints,
         timeline=timeline,
+        plotted=plotted_pairs(posed, options.between) if options.between else None,
         max_distance=options.max_distance,
         accuracy=options.accuracy,
         contacts=options.contacts,
+        title=Path(file).stem,
         log=lambda text: print(text, file=sys.stderr, flush=True),
     )
+
+
+def plotted_pairs(posed: PosedScene, between: list[str]) -> PlottedPairs:
+    """Return the pairs of sets such as ``left:right``; raises ArgumentError if there are none."""
+    context = posed.context.copy()
+    query = QueryObject(context)
+    ids, reported = query.inspector().candidate_matrix()
+    wanted = np.zeros_like(reported)
+    sets = pair_sets(between)
+    for pairs in sets:
+        wanted |= selected_pairs(query, pairs).considered
+    declaration = CollisionFilterDeclaration()
+    for value, left_out in zip(ids.tolist(), reported & ~wanted, strict=True):
+        others = [GeometryId(other) for other in ids[left_out].tolist() if other > value]
+        if others:
+            declaration.ExcludeBetween(GeometrySet(GeometryId(value)), GeometrySet(others))
+    posed.scene_graph.collision_filter_manager(context).Apply(declaration)
+    return PlottedPairs(', '.join(pairs.name for pairs in sets), context)
 
 
 def _timeline_of_recording(

@@ -58,6 +58,8 @@ class JointedLinks:
 
         self.name: str = robot.name
         self.joint_names = tuple(j.name for j in independent)
+        # Whether the value of each is an angle [rad], not a length [m].
+        self.are_angles = tuple(j.type != 'prismatic' for j in independent)
         self.lower, self.upper, self.max_speed = np.array(limits, dtype=float).reshape(-1, 3).T
         self.link_names = (root, *(j.child for j in joints))
         self.joined_links = tuple((j.parent, j.child) for j in joints)

@@ -19,12 +19,13 @@ _FREE = 2.0 * np.pi
 
 @dataclass(frozen=True)
 class JointSlider:
-    """A joint of a robot, and the range [rad] or [m] of its slider."""
+    """A joint of a robot, and the range of its slider: [rad] if it is an angle, otherwise [m]."""
 
     robot: str
     name: str
     lower: float
     upper: float
+    is_angle: bool
 
 
 class JointSliders:
@@ -39,6 +40,7 @@ class JointSliders:
         """
         self._robots = robots
         self.values = {name: robot.joint_values.value(time) for name, robot in robots.items()}
+        self._kept = dict(self.values)
         self._frames = frames
         self._states: Sequence[Mapping[str, float]] = ()
         self._links = {
@@ -49,14 +51,23 @@ class JointSliders:
     def all(self) -> list[JointSlider]:
         """Return the joints that can be moved."""
         return [
-            JointSlider(name, joint, float(max(low, -_FREE)), float(min(high, _FREE)))
+            JointSlider(name, joint, float(max(low, -_FREE)), float(min(high, _FREE)), is_angle)
             for name, robot in self._robots.items()
-            for joint, low, high in zip(
+            for joint, low, high, is_angle in zip(
                 *(robot.kinematics.joint_names, robot.kinematics.lower, robot.kinematics.upper),
+                robot.kinematics.are_angles,
                 strict=True,
             )
             if low < high
         ]
+
+    def keep(self) -> None:
+        """Remember the values of now for ``restore``."""
+        self._kept = dict(self.values)
+
+    def restore(self) -> None:
+        """Take the values that ``keep`` remembered, or those of the beginning; pose no links."""
+        self.values = dict(self._kept)
 
     def value(self, joint: JointSlider) -> float:
         """Return the value [rad] or [m] of a joint."""

@@ -25,7 +25,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry.queries.fixed_geometries import FixedGeometries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import poses_in_parents
-from drake_geom_ros.viewing.looks import geometry_name, looks_of
+from drake_geom_ros.viewing.bodies import ShownBody
+from drake_geom_ros.viewing.looks import LAYERS, geometry_name, looks_of
 from drake_geom_ros.viewing.shown_contacts import ShownContacts, contacts_of
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
@@ -95,6 +96,21 @@ class LocalScene:
         """Return why a pair is not reported; RuntimeError without the proximity role."""
         with self._lock:
             return self._filters.explain(*map(GeometryId, pair))
+
+    def body(self, value: int) -> ShownBody | None:
+        """Return a geometry by its id value; None if there is none."""
+        if value not in self._names:
+            return None
+        id, inspector = GeometryId(value), self._inspector
+        properties = {role: inspector.GetProperties(id, role) for role in LAYERS}
+        return ShownBody(
+            value,
+            self._names[value],
+            inspector.GetOwningSourceName(id),
+            inspector.GetName(inspector.GetFrameId(id)),
+            inspector.GetShape(id),
+            {role: each for role, each in properties.items() if each is not None},
+        )
 
     def _shown_geometries(self, placed: NDArray[np.bool_]) -> ShownGeometries:
         ids = self._fixed.ids[placed]

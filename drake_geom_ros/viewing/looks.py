@@ -45,7 +45,7 @@ _PROXIMITY_ALPHA = 0.45
 PAIR_COLOURS: dict[str, Colour] = {
     'contacts': (0.95, 0.35, 0.0, 1.0),
     'normals': (1.0, 0.8, 0.0, 1.0),
-    'distances': (0.05, 0.2, 0.9, 1.0),
+    'distances': (0.1, 0.35, 1.0, 1.0),
 }
 # Colours of sensed cells that are new and that are about to be stale, of stale ones, of those
 # beside bodies, and of those that bodies hide from the sensor.

@@ -10,13 +10,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.viewing.bodies import ShownBody
 from drake_geom_ros.viewing.cell_layers import CellLayer
 from drake_geom_ros.viewing.looks import Look
 from drake_geom_ros.viewing.patches import Patches
 from drake_geom_ros.viewing.rules import ShownRule
 from drake_geom_ros.viewing.short_names import short_names
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
+from drake_geom_ros.viewing.tables import TextTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +67,15 @@ class ShownMoment:
     # Contact surfaces if requested; the remarks report contacts that they do not show.
     patches: Patches = field(default_factory=Patches.none)
     cells: Sequence[CellLayer] = field(default=())
+    # What a running node says beside its results: ages, sensors, events.
+    tables: Sequence[TextTable] = field(default=())
+
+    def pose_of(self, value: int) -> RigidTransform | None:
+        """Return X_WG of a geometry by its id value; None if it is not shown."""
+        row = self.geometries.row_of(value)
+        if row >= len(self.geometries.ids) or self.geometries.ids[row] != value:
+            return None
+        return RigidTransform(RotationMatrix(self.R_WGs[row]), self.p_WGs[row])
 
 
 class ShownScene(Protocol):
@@ -77,6 +89,9 @@ class ShownScene(Protocol):
 
         Raises RuntimeError for geometries that no query reports.
         """
+
+    def body(self, value: int) -> ShownBody | None:
+        """Return a geometry by its id value as it is registered; None if that is not known."""
 
     def version(self) -> object:
         """Return a value that changes with every change of the scene."""

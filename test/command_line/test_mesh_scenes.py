@@ -49,6 +49,6 @@ def test_a_page_shows_it_as_it_counts_and_from_outside(options, triangles):
         middle = CORNERS.mean(axis=0)
         np.testing.assert_allclose(camera.look_at, middle, rtol=0, atol=1e-6)
         diagonal = np.linalg.norm(CORNERS[1] - CORNERS[0])
-        assert np.linalg.norm(camera.position - middle) > diagonal
+        assert np.linalg.norm(camera.position - middle) > diagonal / 2.0
     finally:
         page.close()

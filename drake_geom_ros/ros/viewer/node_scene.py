@@ -26,8 +26,10 @@ from drake_geom_ros.live.conversions.proximity_rules import rules_from_message
 from drake_geom_ros.live.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.live.conversions.shapes import shape_from_message
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs, Why
+from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
+from drake_geom_ros.ros.viewer.node_tables import NodeTables, in_words
+from drake_geom_ros.viewing.bodies import ShownBody
 from drake_geom_ros.viewing.cell_layers import CELL_LAYERS, CellLayer
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
@@ -56,6 +58,8 @@ class NodeScene:
         self._lock = threading.RLock()
         self._services = Services(node, server)
         self._contacts = NodeContacts(self._services, server, self._changed)
+        self._tables = NodeTables(node, self._services, server, self._changed)
+        self._shown_bodies: dict[int, ShownBody] = {}
         self._changes = 0
         self._troubles: list[str] = []
         self._known = -1  # the version of the scene's names
@@ -120,6 +124,7 @@ class NodeScene:
                 rules=rules,
                 patches=shown.patches,
                 cells=list(self._cells.values()),
+                tables=self._tables.shown(),
             )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
@@ -127,6 +132,11 @@ class NodeScene:
         a, b = (f'#{value}' for value in pair)
         answer = self._call('explain_filter', geometry_a=a, geometry_b=b)
         return list(answer.reasons)
+
+    def body(self, value: int) -> ShownBody | None:
+        """Return a geometry by its id value; None for sensed maps, and for what is not there."""
+        with self._lock:
+            return self._shown_bodies.get(value)
 
     def _remarks(self) -> list[str]:
         if self._known < 0:
@@ -161,7 +171,7 @@ class NodeScene:
         entries = {frame.id: frame for frame in message.frames}
         frames = {frame.id: frame.name for frame in message.frames}
         files = FileAccess(_ANY_FILE)
-        names, looks, troubles = {}, [], []
+        names, looks, troubles, shown = {}, [], [], {}
         world, bodies, maps = message.frames[0].id, {}, 0
         for entry in message.geometries:
             frame = frames[entry.frame_id]
@@ -180,16 +190,16 @@ class NodeScene:
             except RuntimeError as error:
                 troubles.append(f'{name}: {error}')
                 continue
-            for entry_role in entry.roles:
-                role, properties = (
-                    role_from_number(entry_role.role),
-                    properties_from_message(entry_role),
-                )
+            roles = {role_from_number(r.role): properties_from_message(r) for r in entry.roles}
+            source = sources[entry.source_id]
+            shown[entry.id] = ShownBody(entry.id, name, source, frame, shape, roles)
+            for role, properties in roles.items():
                 colour = colour_by(properties, role, ranks[entry.source_id], shape)
                 solid = solid_by(properties, role)
                 looks.append(Look(GeometryId(entry.id), role, name, colour, shape, solid))
         with self._lock:
             self._names, self._looks, self._troubles = names, looks, troubles
+            self._shown_bodies = shown
             self._known = message.names_version
             self._maps = f'{counted(maps, "sensed map")} not shown' if maps else ''
             self._geometries = ShownGeometries(np.zeros(0, np.int64), [], names)
@@ -336,5 +346,5 @@ def _layer(kind: str, source: str, marker: Marker) -> CellLayer:
 
 
 def _why(number: int, awaits_acknowledgement: bool) -> str:
-    why = Why(number).name.lower().replace('_', ' ') if number else ''
+    why = in_words(number)
     return f'{why}, to be acknowledged' if awaits_acknowledgement else why

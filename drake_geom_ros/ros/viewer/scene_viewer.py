@@ -41,6 +41,7 @@ class SceneViewer(Node):
             open_server(host, port),
             self.scene,
             max_distance=max(0.0, max_distance),
+            title=server.strip('/'),
             log=self.get_logger().error,
         )
         self.get_logger().info(f'http://{self.page.host}:{self.page.port} shows {server}')

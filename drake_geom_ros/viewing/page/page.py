@@ -1,4 +1,4 @@
-"""Page with its panels, its picture, and the thread that redraws on changes."""
+"""Page with its picture, its sections, and the thread that redraws on changes."""
 
 from __future__ import annotations
 
@@ -6,20 +6,22 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
-from html import escape
+from dataclasses import replace
+from typing import Any
 
-import numpy as np
-
+from drake_geom_ros.geometry import GeometryError, accuracy_of
 from drake_geom_ros.viewing.extents import extent_of
 from drake_geom_ros.viewing.joint_sliders import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
-from drake_geom_ros.viewing.page.answer_panel import AnswerPanel
-from drake_geom_ros.viewing.page.copy_panel import CopyPanel
-from drake_geom_ros.viewing.page.filter_panel import FilterPanel
-from drake_geom_ros.viewing.page.motion_panel import MotionPanel
+from drake_geom_ros.viewing.page import sections
+from drake_geom_ros.viewing.page.board import Board
+from drake_geom_ros.viewing.page.browsers import Browsers
+from drake_geom_ros.viewing.page.cameras import Cameras
+from drake_geom_ros.viewing.page.commands import Commands
+from drake_geom_ros.viewing.page.motion_control import MotionControl, PlottedPairs
+from drake_geom_ros.viewing.page.options import ViewOptions
 from drake_geom_ros.viewing.page.picture import MOST_NAMES, Picture
-from drake_geom_ros.viewing.page.rules_panel import RulesPanel
-from drake_geom_ros.viewing.page.sensors_panel import SensorsPanel
+from drake_geom_ros.viewing.page.selection import SelectedBodies, Selection
 from drake_geom_ros.viewing.page.serving import Served
 from drake_geom_ros.viewing.shown_scene import ShownMoment, ShownScene
 from drake_geom_ros.viewing.timeline import Timeline
@@ -28,9 +30,7 @@ from drake_geom_ros.viewing.timeline import Timeline
 # picture.
 _PERIOD = 0.04
 _LOOKS = 0.1  # [s] between two checks for changes of the scene from outside
-_TABLE_PERIOD = 0.25  # [s] between two updates of the table, since nobody reads faster
-_VIEW = np.array([0.55, -0.7, 0.45])  # direction to the viewer, of unit length
-_AWAY, _MARGIN = 0.9, 0.2  # distance of the viewer: times the size of the scene, and [m]
+_TABLE_PERIOD = 0.25  # [s] between two updates of the tables, since nobody reads faster
 _MOST_SHOWN = 5  # troubles in the status
 
 
@@ -44,50 +44,52 @@ class Page:
         *,
         joints: JointSliders | None = None,
         timeline: Timeline | None = None,
+        plotted: PlottedPairs | None = None,
         max_distance: float = 0.1,
         accuracy: str = 'exact',
         contacts: bool = False,
+        title: str = 'scene',
         log: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Show a scene; ``joints`` and ``timeline`` move one of this process.
 
-        ``log`` is called with unexpected errors. With ``contacts``, contact surfaces are computed
-        and shown from the beginning.
+        The plot of the timeline is about the pairs ``plotted``, without these about all.
+
+        ``title`` is the name of the tab. ``log`` is called with unexpected errors. With
+        ``contacts``, contact surfaces are computed and shown from the beginning.
         """
         server = served.server
-        self._server, self._scene, self._log = server, scene, log
+        self._server, self.scene, self._log = server, scene, log
         self.url = served.url  # the address to open, with its token if it needs one
-        local = scene if isinstance(scene, LocalScene) else None
+        self.title = title
+        self.local = scene if isinstance(scene, LocalScene) else None
         self._due, self._closed = threading.Event(), threading.Event()
         self._version: object = None
         self._table_due = 0.0  # [s] of the steady clock
-        self.selected: tuple[int, int] | None = None
+        self.options = ViewOptions(
+            max_distance=max_distance, accuracy=str(accuracy_of(accuracy)), contacts=contacts
+        )
+        self.selection = Selection()
+        self._lock = threading.Lock()  # of the options and the selection
         self.moment: ShownMoment | None = None
         self.trouble = ''  # what went wrong in the last drawing
-        server.gui.configure_theme(
-            control_width='large',
-            # Sharing would send the scene through a third party's relay.
-            show_share_button=False,
-            show_logo=False,
-        )
-        server.gui.main_panel.dock_right()
+        self.board = Board()
         server.scene.set_up_direction('+z')
         # viser's environment map takes a browser without a GPU seconds, and its shadows most of
         # each frame; lights without them show shapes as well.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(cast_shadow=False)
-        self._status = server.gui.add_html('')
-        self.answer = AnswerPanel(
-            *(server.gui, self.touch, self.select, max_distance, accuracy), contacts=contacts
-        )
-        self.rules = RulesPanel(server.gui)
-        self.sensors = SensorsPanel(server.gui, self.touch)
-        self.filters = FilterPanel(server.gui, scene, local)
         self.motion = None
-        if local is not None:
-            self.motion = MotionPanel(server, local, self.touch, joints, timeline)
-        self.copying = CopyPanel(server.gui, local)
-        self.picture = Picture(server.scene, self.choose, self._progress)
+        if self.local is not None:
+            self.motion = MotionControl(server, self.local, self.touch, joints, timeline, plotted)
+        self.bodies = SelectedBodies(scene, self.touch)
+        self.picture = Picture(server.scene, self.pick, self._progress)
+        self.browsers = Browsers(self.board, Commands(self).execute)
+        self.cameras = Cameras(
+            server, lambda key, pose: self.browsers.send_to(key, 'camera', pose)
+        )
+        self._show_fixed()
+        served.serve = self.browsers.serve
         self._thread = threading.Thread(target=self._run, name='page', daemon=True)
         self._thread.start()
 
@@ -105,31 +107,45 @@ class Page:
         """Request another picture."""
         self._due.set()
 
-    def select(self, pair: tuple[int, int]) -> None:
-        """Select a pair of id values: mark it in picture and table, and explain its filters."""
-        self.selected = pair
-        if self.moment is not None:
-            names = self.moment.geometries.names
-            self.filters.choose_pair((names[pair[0]], names[pair[1]]))
-        self._table_due = 0.0
-        self.touch()
+    def set_option(self, name: str, value: Any) -> None:
+        """Change an option; raises CommandError for a value that it cannot have."""
+        with self._lock:
+            self.options = self.options.changed(name, value)
+        self.board.put('options', self.options.plain())
+        self._hurry()
 
-    def choose(self, value: int) -> None:
-        """Handle a click on a geometry, by its id value."""
+    def select(self, *values: int) -> None:
+        """Select at most two bodies by their id values."""
+        with self._lock:
+            self.selection = Selection(values)
+        self._hurry()
+
+    def pick(self, value: int) -> None:
+        """Handle a click on a body, by its id value."""
         if self.moment is None or value not in self.moment.geometries.names:
             return
-        self.filters.choose(self.moment.geometries.names[value])
-        pair = self.filters.pair()
-        self.selected = None if pair is None else (min(pair), max(pair))
-        self._table_due = 0.0
-        self.touch()
+        with self._lock:
+            self.selection = self.selection.picked(value)
+        self._hurry()
+
+    def refilter(self) -> None:
+        """Show filters and their reasons anew, since they changed."""
+        self.bodies.explain_anew()
+        self._show_filters()
+        self._hurry()
 
     def close(self) -> None:
         """Stop drawing, and stop the server."""
         self._closed.set()
         self._due.set()
         self._thread.join()
+        self.bodies.close()
         self._server.stop()
+
+    def _hurry(self) -> None:
+        """Request another picture, and new tables with it."""
+        self._table_due = 0.0
+        self.touch()
 
     def _run(self) -> None:
         while not self._closed.is_set():
@@ -141,13 +157,13 @@ class Page:
                 if (trouble := f'{type(error).__name__}: {error}') != self.trouble:
                     self.trouble = trouble
                     self._log(''.join(traceback.format_exception(error)))
-                self._status.content = _in_red(trouble)
+                self.board.put('status', sections.status_section([], [trouble]))
             self._due.wait(_LOOKS)
             self._closed.wait(max(0.0, start + _PERIOD - time.monotonic()))
 
     def _draw_if_due(self) -> None:
         playing = self.motion is not None and self.motion.move_on()
-        version = self._scene.version()
+        version = self.scene.version()
         due = self._due.is_set() or playing or version != self._version
         self._due.clear()
         if not due and self._table_due > time.monotonic():
@@ -157,75 +173,105 @@ class Page:
             self.draw()
         if self.moment is not None and self._table_due <= time.monotonic():
             self._table_due = time.monotonic() + _TABLE_PERIOD if due else float('inf')
-            self._show_words(self.moment)
+            self._show_tables(self.moment)
 
     def draw(self) -> None:
         """Draw the current moment of the scene."""
         before = None if self.moment is None else self.moment.geometries
-        moment = self._scene.moment(
-            self.answer.max_distance.value,
-            self.answer.accuracy,
-            contacts=self.answer.contacts.value,
+        options = self.options
+        moment = self.scene.moment(
+            options.max_distance, options.accuracy, contacts=options.contacts
         )
-        with self._server.atomic():
-            self.picture.show(moment, self.answer.display_options(), self.selected)
-            self.picture.show_cells(self.sensors.chosen(moment.cells))
         if moment.geometries is not before:
-            self._aim(moment)
-            self.filters.begin(moment.geometries)
+            self._keep_selection(moment)
+        selection = self.selection
+        plain, pair = self.bodies.plain(moment, selection, options.accuracy)
+        with self._server.atomic():
+            self.picture.show(moment, options, selection.values, pair)
+            self.picture.show_cells(self._chosen_cells(moment))
+        if moment.geometries is not before and (extent := extent_of(moment)) is not None:
+            self.cameras.show(extent)
         self.moment = moment
+        if moment.geometries is not before:
+            self.board.put('scene', sections.scene_section(moment.geometries, self.title))
+        self.board.put('selection', plain)
+        if self.motion is not None:
+            self.board.put('clock', sections.clock_section(self.motion))
+            self.board.put('values', sections.values_section(self.motion))
         if moment.geometries is not before or self._table_due == float('inf'):
             self._table_due = 0.0
 
-    def _aim(self, moment: ShownMoment) -> None:
-        """Aim the initial camera at the geometries, except half spaces.
+    def _keep_selection(self, moment: ShownMoment) -> None:
+        """Drop selected bodies that are gone."""
+        there = moment.geometries.names
+        with self._lock:
+            values = tuple(value for value in self.selection.values if value in there)
+            self.selection = replace(self.selection, values=values)
 
-        viser moves the views of new browsers, and of those that wait for contents. For others it
-        changes only the target of "reset view", since their users may have moved the view.
-        """
-        extent = extent_of(moment)
-        if extent is not None:
-            low, high = extent
-            middle, size = (low + high) / 2.0, float(np.linalg.norm(high - low))
-            camera = self._server.initial_camera
-            # A browser moves its view once, by the first message, so send both in one.
-            with self._server.atomic():
-                camera.look_at = middle
-                camera.position = middle + (_MARGIN + _AWAY * size) * _VIEW
+    def _chosen_cells(self, moment: ShownMoment) -> list[Any]:
+        options = self.options
+        return [
+            layer
+            for layer in moment.cells
+            if layer.kind not in options.hidden_cells
+            and f'sensor {layer.source}' not in options.hidden
+        ]
 
-    def _show_words(self, moment: ShownMoment) -> None:
-        self.answer.show(moment, self.selected)
-        self.rules.show(moment.rules)
-        self.sensors.show(moment.cells)
+    def _show_fixed(self) -> None:
+        """Put the sections that do not depend on a moment."""
+        self.board.put('options', self.options.plain())
+        self.board.put('kind', {'live': self.local is None, 'title': self.title})
         if self.motion is not None:
-            self.motion.show()
-        lines = [*moment.remarks, *self._remarks(moment)]
+            self.board.put('motion', sections.joints_section(self.motion))
+        self._show_filters()
+
+    def _show_filters(self) -> None:
+        history = [] if self.local is None else self.local.history()
+        rows = [[declared.text, declared.filter_id is not None] for declared in history]
+        self.board.put('filters', rows)
+
+    def _show_tables(self, moment: ShownMoment) -> None:
+        self.board.put('pairs', sections.pairs_section(moment))
+        self.board.put('rules', sections.rules_section(moment))
+        self.board.put('sensors', sections.sensors_section(moment))
+        self.board.put('tables', sections.tables_section(moment))
+        if self.motion is not None:
+            self.board.put('timeline', sections.timeline_section(self.motion))
         troubles = self.picture.troubles
+        shown = list(troubles[:_MOST_SHOWN])
         if troubles:
-            lines.append(f'{len(troubles)} cannot be drawn, such as')
-        shown = ''.join(f'<div>{escape(line)}</div>' for line in lines)
-        shown += ''.join(_in_red(trouble) for trouble in troubles[:_MOST_SHOWN])
-        self._status.content = f'<div style="padding:0 1em">{shown}</div>'
+            shown.insert(0, f'{len(troubles)} cannot be drawn, such as')
+        lines = [*moment.remarks, *self._remarks(moment)]
+        self.board.put('status', sections.status_section(lines, shown))
 
     def _remarks(self, moment: ShownMoment) -> list[str]:
-        """Return the remarks above the panels."""
-        geometries, pairs = moment.geometries, moment.pairs
-        touching = int((pairs.distance < 0.0).sum())
-        remarks = [
-            f'{len(geometries.ids)} geometries; {len(pairs)} pairs within '
-            f'{self.answer.max_distance.value:g} m, {touching} of them overlap'
-        ]
+        """Return what the picture does not show."""
+        geometries = moment.geometries
+        remarks = []
         if geometries.waiting:
             names = ', '.join(geometries.waiting[:_MOST_SHOWN])
             remarks.append(f'without a pose, and not shown: {names}')
-        if self.answer.display_options().names and len(geometries.ids) > MOST_NAMES:
+        if self.options.hidden:
+            hidden = ', '.join(sorted(self.options.hidden))
+            remarks.append(f'hidden, with their lines: {hidden}')
+        if self.options.names and len(geometries.ids) > MOST_NAMES:
             remarks.append(f'names of the first {MOST_NAMES} only')
         return remarks
 
     def _progress(self, done: int, count: int) -> None:
         if done == count or done % 100 == 0:
-            self._status.content = f'<div style="padding:0 1em">drawn {done} of {count}</div>'
+            self.board.put('progress', {'done': done, 'count': count})
 
+    def number_of(self, name: str) -> int | None:
+        """Return the id value of a body by its name; None if there is none."""
+        if self.moment is None:
+            return None
+        names = self.moment.geometries.names
+        return next((value for value, each in names.items() if each == name), None)
 
-def _in_red(text: str) -> str:
-    return f'<div style="color:#c00;padding:0 1em">{escape(text)}</div>'
+    def check_body(self, value: Any) -> int:
+        """Return the id value of a body that is there; raises GeometryError otherwise."""
+        is_number = isinstance(value, int) and not isinstance(value, bool)
+        if is_number and self.moment is not None and value in self.moment.geometries.names:
+            return int(value)
+        raise GeometryError(f'{value!r} is no body of this scene')

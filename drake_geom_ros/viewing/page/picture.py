@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -17,7 +16,9 @@ from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import quaternions_from_rotations
 from drake_geom_ros.viewing.batches import SurfaceBatch, batches_of
 from drake_geom_ros.viewing.cell_layers import CellLayer
+from drake_geom_ros.viewing.extents import extent_of
 from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS, Colour
+from drake_geom_ros.viewing.page.options import ViewOptions
 from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
 from drake_geom_ros.viewing.scaled_surfaces import CUBE
@@ -27,7 +28,6 @@ from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 # Lines of the nearest pairs; each costs a browser without a GPU as much as a body.
 _MOST_PAIRS = 1000
 MOST_NAMES = 300  # labels: a browser lays each of them out
-_DEPTHS = 5  # labels of the deepest contacts
 _THIN, _THICK = 2.0, 6.0  # [pixels]
 _MANY = 100  # copies of a surface; of more, distant ones are drawn by fewer triangles
 _SMALL = 0.8  # times viser's default size of labels
@@ -46,17 +46,6 @@ def _bytes_of(colour: Colour) -> tuple[int, ...]:
 
 
 _CONTACT, _SELECTED = _bytes('contacts'), (160, 0, 255)
-
-
-@dataclass(frozen=True)
-class DisplayOptions:
-    """Options of what to display."""
-
-    layers: frozenset[str] = frozenset({'proximity'})
-    names: bool = False
-    frames: bool = False
-    normals: bool = True
-    bounds: bool = False
 
 
 class Picture:
@@ -102,31 +91,66 @@ class Picture:
             visible=False,
         )
         self._surfaces = _PressureSurfaces(scene)
-        self._depths = [_Label(scene, f'/pairs/depths/{k}') for k in range(_DEPTHS)]
         self._selected_label = _Label(scene, '/pairs/selected_label')
         self._axes: Any = None
+        self._grid: Any = None
+        self._hidden: frozenset[str] = frozenset()
+        self._marked: frozenset[int] = frozenset()
         self._cells: dict[tuple[str, str], tuple[CellLayer, Any]] = {}
         self._numbers: dict[tuple[str, str], int] = {}  # in the names of their nodes
 
     def show(
-        self, moment: ShownMoment, options: DisplayOptions, selected: tuple[int, int] | None
+        self,
+        moment: ShownMoment,
+        options: ViewOptions,
+        marked: Sequence[int] = (),
+        selected: ReportedPairs | None = None,
     ) -> None:
-        """Draw a moment; ``selected`` is a pair of id values."""
-        if moment.geometries is not self._geometries:
-            self._begin(moment.geometries)
+        """Draw a moment; ``marked`` bodies (id values) stand out, and so does one pair."""
+        if moment.geometries is not self._geometries or options.hidden != self._hidden:
+            self._begin(moment.geometries, options.hidden)
         for name, layer in self._layers.items():
             layer.visible = name in options.layers
+        if frozenset(marked) != self._marked:
+            self._marked = frozenset(marked)
+            for shown in self._batches:
+                shown.mark(self._marked)
         for shown in self._batches:
             if shown.batch.layer in options.layers:
                 shown.pose(moment)
-        self._show_pairs(moment.pairs.rows(slice(_MOST_PAIRS)), options)
+        self._show_grid(moment, options)
+        pairs = self._of_drawn_bodies(moment)
+        self._show_pairs(pairs.rows(slice(_MOST_PAIRS)), options)
         for level, lines in self._of_rules.items():
             rows = np.array(rows_of_level(moment.rules, moment.pairs, level), dtype=np.int64)
             lines.show(moment.pairs.rows(rows).segments())
         self._surfaces.show(moment.patches)
-        self._show_selected(moment.pairs, options, selected)
+        self._show_selected(ReportedPairs.none() if selected is None else selected, options)
         self._show_names(moment, options)
         self._show_frames(moment, options)
+
+    def _of_drawn_bodies(self, moment: ShownMoment) -> ReportedPairs:
+        """Return the pairs of which both bodies are drawn."""
+        if not self._hidden:
+            return moment.pairs
+        names = moment.geometries.names
+        hidden = [v for v, name in names.items() if name.partition('::')[0] in self._hidden]
+        return moment.pairs.rows(np.flatnonzero(~np.isin(moment.pairs.ids, hidden).any(axis=1)))
+
+    def _show_grid(self, moment: ShownMoment, options: ViewOptions) -> None:
+        if options.grid and self._grid is None:
+            extent = extent_of(moment)
+            low = 0.0 if extent is None else float(extent.low[2])
+            self._grid = self._scene.add_grid(
+                '/grid',
+                infinite_grid=True,
+                cell_size=0.1,
+                section_size=1.0,
+                fade_distance=30.0,
+                position=(0.0, 0.0, min(0.0, low)),
+            )
+        if self._grid is not None:
+            self._grid.visible = options.grid
 
     def show_cells(self, layers: Sequence[CellLayer]) -> None:
         """Draw layers of sensed maps instead of those before; unchanged ones are not sent."""
@@ -157,14 +181,14 @@ class Picture:
             receive_shadow=False,
         )
 
-    def _begin(self, geometries: ShownGeometries) -> None:
-        """Draw other geometries from now on."""
+    def _begin(self, geometries: ShownGeometries, hidden: frozenset[str]) -> None:
+        """Draw other geometries from now on, those of hidden sources left out."""
         for shown in self._batches:
             shown.handle.remove()
         for handle in self._names.values():
             handle.remove()
         self._names.clear()
-        looks = geometries.looks
+        looks = [look for look in geometries.looks if look.name.partition('::')[0] not in hidden]
         batches = batches_of(
             looks, geometries.row_of, lambda done: self._progress(done, len(looks))
         )
@@ -173,9 +197,9 @@ class Picture:
             for number, batch in enumerate(batches.batches)
         ]
         self.troubles = batches.troubles
-        self._geometries = geometries
+        self._geometries, self._hidden, self._marked = geometries, hidden, frozenset()
 
-    def _show_pairs(self, pairs: ReportedPairs, options: DisplayOptions) -> None:
+    def _show_pairs(self, pairs: ReportedPairs, options: ViewOptions) -> None:
         touching = pairs.distance < 0.0
         deep = pairs.rows(np.flatnonzero(touching))
         self._lines['distances'].show(pairs.rows(np.flatnonzero(~touching)).segments())
@@ -183,26 +207,18 @@ class Picture:
         normals = deep.normals(NORMAL_LENGTH) if options.normals else np.zeros((0, 2, 3))
         self._lines['normals'].show(normals)
         _set_points(self._points, deep.segments().reshape(-1, 3))
-        for row, label in enumerate(self._depths):
-            has_pair = row < len(deep)
-            text = in_words(deep, row, bounds=options.bounds) if has_pair else ''
-            label.show(text, deep.p_WCas[row] if has_pair else None)
 
-    def _show_selected(
-        self, pairs: ReportedPairs, options: DisplayOptions, selected: tuple[int, int] | None
-    ) -> None:
-        row = None if selected is None else pairs.find(selected)
-        if row is None:
+    def _show_selected(self, pair: ReportedPairs, options: ViewOptions) -> None:
+        if not len(pair):
             self._lines['selected'].show(np.zeros((0, 2, 3)))
             self._selected_label.show('', None)
             return
-        one = pairs.rows(slice(row, row + 1))
-        normal = one.normals(NORMAL_LENGTH) if options.normals else np.zeros((0, 2, 3))
-        self._lines['selected'].show(np.concatenate([one.segments(), normal]))
-        middle = one.segments()[0].mean(axis=0)
-        self._selected_label.show(in_words(pairs, row, bounds=options.bounds), middle)
+        normal = pair.normals(NORMAL_LENGTH) if options.normals else np.zeros((0, 2, 3))
+        self._lines['selected'].show(np.concatenate([pair.segments(), normal]))
+        middle = pair.segments()[0].mean(axis=0)
+        self._selected_label.show(in_words(pair, 0, bounds=options.bounds), middle)
 
-    def _show_names(self, moment: ShownMoment, options: DisplayOptions) -> None:
+    def _show_names(self, moment: ShownMoment, options: ViewOptions) -> None:
         geometries = moment.geometries
         if not options.names:
             for handle in self._names.values():
@@ -217,7 +233,7 @@ class Picture:
             handle = self._names[value]
             handle.visible, handle.position = True, position
 
-    def _show_frames(self, moment: ShownMoment, options: DisplayOptions) -> None:
+    def _show_frames(self, moment: ShownMoment, options: ViewOptions) -> None:
         if not options.frames:
             if self._axes is not None:
                 self._axes.visible = False
@@ -266,6 +282,12 @@ class _ShownBatch:
         # viser sends an array only if it differs from the one before.
         p_WSs, wxyzs = self.batch.posed(moment.R_WGs, moment.p_WGs)
         self.handle.batched_positions, self.handle.batched_wxyzs = p_WSs, wxyzs
+
+    def mark(self, values: frozenset[int]) -> None:
+        """Draw geometries, by id value, in the colour of what is selected."""
+        colours = np.array(self.batch.colours)
+        colours[np.isin(self.batch.geometries, list(values))] = _SELECTED
+        self.handle.batched_colors = colours
 
     def _clicked(self, chosen: Callable[[int], None], event: Any) -> None:
         if event.instance_index is not None:

@@ -23,19 +23,27 @@ _THIS_MACHINE = ('localhost', '127.0.0.1', '[::1]')
 _EVERYWHERE = ('', '0.0.0.0', '::')
 _HTTP_PORT = 80  # which browsers do not name
 _TOKEN_BYTES = 16
-# Links do not leak the token, and no other page can embed this one.
-_HEADERS = {'Referrer-Policy': 'no-referrer', 'Content-Security-Policy': "frame-ancestors 'none'"}
 
 
 class RequestGuard:
     """Responds 403 to requests that do not come from the page itself at its own address."""
 
-    def __init__(self, host: str) -> None:
-        """Guard a server that listens at ``host``; beyond this machine with a token."""
+    def __init__(self, host: str, frames: Sequence[str] = ()) -> None:
+        """Guard a server that listens at ``host``; beyond this machine with a token.
+
+        Pages of the origins ``frames``, such as ``http://localhost:*``, may embed this one, which
+        has a token then, too. Without them only this page itself may, which embeds viser's.
+        """
         self._host = host.lower()
-        self.token = '' if is_local(host) else secrets.token_urlsafe(_TOKEN_BYTES)
+        needs_token = bool(frames) or not is_local(host)
+        self.token = secrets.token_urlsafe(_TOKEN_BYTES) if needs_token else ''
+        # Links do not leak the token.
+        self._headers = {
+            'Referrer-Policy': 'no-referrer',
+            'Content-Security-Policy': ' '.join(("frame-ancestors 'self'", *frames)),
+        }
         self._own = {*_THIS_MACHINE, _bracketed(self._host)}
-        if self.token:
+        if not is_local(host):
             self._own.add(socket.gethostname().lower())
 
     def url(self, port: int) -> str:
@@ -51,7 +59,7 @@ class RequestGuard:
             hosts, origins = map(request.headers.get_all, ('Host', 'Origin'))
             if reason := self._refusal(port, hosts, origins):
                 return connection.respond(http.HTTPStatus.FORBIDDEN, f'{reason}\n')
-            path = self._path(request.path)
+            path = self.path_of(request.path)
             if path is None:
                 return connection.respond(
                     http.HTTPStatus.FORBIDDEN,
@@ -59,7 +67,7 @@ class RequestGuard:
                 )
             response = process and process(connection, dataclasses.replace(request, path=path))
             if response is not None:
-                response.headers.update(_HEADERS)
+                response.headers.update(self._headers)
             return response
 
         return look
@@ -89,7 +97,7 @@ class RequestGuard:
             return False
         return name in self._own or (bool(self.token) and _is_number(name))
 
-    def _path(self, path: str) -> str | None:
+    def path_of(self, path: str) -> str | None:
         """Return a path without the token, or None if it lacks the token."""
         if not self.token:
             return path

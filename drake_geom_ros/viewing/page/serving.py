@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import http.client
 import socket
 import threading
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from typing import Any
+from urllib.parse import urlsplit
 
 from drake_geom_ros.geometry import GeometryError
-from drake_geom_ros.viewing.page.request_guard import RequestGuard, is_local
+from drake_geom_ros.viewing.page.cameras import BROWSER
+from drake_geom_ros.viewing.page.document import PICTURE, SOCKET, document
+from drake_geom_ros.viewing.page.request_guard import Process, RequestGuard, is_local
+
+Handler = Callable[[Any], Awaitable[None]]
 
 LOCALHOST = '127.0.0.1'
 PORT = 8080
@@ -23,19 +28,64 @@ _MOST_PORT = 65535
 _patching = threading.Lock()
 
 
-@dataclass(frozen=True)
 class Served:
-    """A viser server and the address to open, which has a token beyond this machine."""
+    """A viser server behind our document, and the address to open.
 
-    server: Any
-    url: str
+    Beyond this machine the address has a token. ``serve`` is called with the web socket of each
+    browser that has the document; until it is set, viser's own page is served instead.
+    """
+
+    def __init__(self, guard: RequestGuard) -> None:
+        self._guard = guard
+        self.server: Any = None
+        self.serve: Callable[[Any], Awaitable[None]] | None = None
+
+    @property
+    def url(self) -> str:
+        """The address to open."""
+        return self._guard.url(self.server.get_port())
+
+    def answering(self, process: Process | None) -> Process:
+        """Return the handler of requests: our document, and viser's page below its path."""
+
+        def answer(connection: Any, request: Any) -> Any:
+            path = urlsplit(request.path).path
+            is_socket = request.headers.get('Upgrade', '').lower() == 'websocket'
+            if self.serve is not None and path == '/' and not is_socket:
+                response = connection.respond(http.HTTPStatus.OK, '')
+                response.body = document()
+                for name in ('Content-Length', 'Content-Type'):
+                    del response.headers[name]
+                response.headers['Content-Length'] = str(len(response.body))
+                response.headers['Content-Type'] = 'text/html; charset=utf-8'
+                return response
+            if path.startswith(PICTURE) and not is_socket:
+                request = dataclasses.replace(request, path='/')
+            return process and process(connection, request)
+
+        return self._guard.guarded(answer)
+
+    def handling(self, handler: Handler) -> Handler:
+        """Return the handler of web sockets: our document's, and viser's with their browser."""
+
+        async def handle(connection: Any) -> None:
+            path = urlsplit(self._guard.path_of(connection.request.path) or '').path
+            if path == SOCKET:
+                if self.serve is not None:
+                    await self.serve(connection)
+                return
+            BROWSER.set(path.removeprefix(PICTURE).strip('/'))
+            await handler(connection)
+
+        return handle
 
 
-def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
+def open_server(host: str = LOCALHOST, port: int = PORT, *, frames: Sequence[str] = ()) -> Served:
     """Return a viser server at the port, or at the next free one if that is taken.
 
-    It responds only to its own page, and beyond this machine only with the token. Raises
-    GeometryError if viser is not installed, or the address cannot be opened.
+    It responds only to its own page, and beyond this machine only with the token. Pages of the
+    origins ``frames`` may show it in a frame, with the token. Raises GeometryError if viser is not
+    installed, or the address cannot be opened.
     """
     try:
         import viser
@@ -45,10 +95,11 @@ def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
             f'the page takes viser, which cannot be imported ({error}): pip install viser, or '
             "this package with its extra 'view'"
         ) from None
-    guard = RequestGuard(host)
+    guard = RequestGuard(host, frames)
+    served = Served(guard)
     try:
         _check_address(host, port)
-        with _every_server_behind(guard, sockets):
+        with _every_server_behind(served, sockets):
             server = viser.ViserServer(host=host, port=port, label='drake_geom_ros', verbose=False)
     except (OSError, RuntimeError) as error:
         raise GeometryError(f'no page can be opened at {host}:{port}: {error}') from None
@@ -65,7 +116,8 @@ def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
             'this version of viser makes its server otherwise than 1.1 does; pip install '
             'viser==1.1.1'
         )
-    return Served(server, guard.url(server.get_port()))
+    served.server = server
+    return served
 
 
 def warning(host: str) -> str:
@@ -81,8 +133,8 @@ def warning(host: str) -> str:
 
 
 @contextlib.contextmanager
-def _every_server_behind(guard: RequestGuard, sockets: Any) -> Iterator[None]:
-    """Put web socket servers that are made within the context behind a guard.
+def _every_server_behind(served: Served, sockets: Any) -> Iterator[None]:
+    """Put web socket servers that are made within the context behind our document and guard.
 
     websockets has ``process_request`` for this, but viser, which makes the server, does not pass
     one on. A proxy would leave viser's own port open to the same pages. Therefore the factory is
@@ -91,8 +143,15 @@ def _every_server_behind(guard: RequestGuard, sockets: Any) -> Iterator[None]:
     with _patching:
         serve = sockets.serve
 
-        def guarded(*arguments: Any, process_request: Any = None, **options: Any) -> Any:
-            return serve(*arguments, process_request=guard.guarded(process_request), **options)
+        def guarded(
+            handler: Any, *arguments: Any, process_request: Any = None, **options: Any
+        ) -> Any:
+            return serve(
+                served.handling(handler),
+                *arguments,
+                process_request=served.answering(process_request),
+                **options,
+            )
 
         sockets.serve = guarded
         try:

@@ -4,7 +4,7 @@ import threading
 
 import numpy as np
 import pytest
-from drake_geom_msgs.msg import FramePoses, GeometryPoses
+from drake_geom_msgs.msg import FramePoses, GeometryPoses, Stopping
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from ros.harness import SENSOR, start_node
@@ -15,10 +15,14 @@ from viewing.scenes import PRESSING, local_scene
 from drake_geom_ros.geometry import GeometryError, Role
 from drake_geom_ros.proximity_rules import Level
 from drake_geom_ros.ros.viewer.node_scene import NodeScene
+from drake_geom_ros.ros.viewer.node_tables import stopping_table
 from drake_geom_ros.viewing.looks import PALETTE
 from drake_geom_ros.viewing.rules import rows_of_level
+from drake_geom_ros.viewing.tables import TextTable
 
 pytestmark = pytest.mark.topics
+
+NO_TABLE = TextTable('', (), ())
 
 SCENE = """
 sources: [s]
@@ -151,6 +155,71 @@ def test_rules_are_listed_with_their_state_and_the_pair_that_they_are_entered_by
         assert rows_of_level(moment.rules, moment.pairs, Level.STOP) == []
     finally:
         node.end()
+
+
+def tables_of(shown):
+    return {table.title.partition(',')[0]: table for table in shown.moment(1.0, 'exact').tables}
+
+
+def test_ages_events_and_sensors_are_tables(lone_client, shown, tmp_path):
+    path = tmp_path / 'scene.yaml'
+    path.write_text(
+        f'{SCENE}proximity_rules:\n'
+        '- {name: near, set_a: a, set_b: post, level: stop, enter: 0.3, leave: 0.4}\n'
+        'obstacle_sources:\n'
+        '  front: {type: laser_scan, topic: /front/scan, frame: world, resolution: 0.1,'
+        ' timeout: 0.5}\n'
+    )
+    node = start_node(tmp_path / 'log', scene_file=path, max_distance=5.0)
+    try:
+        poses = lone_client.publisher(FramePoses, 'frame_poses', SENSOR)
+
+        def told(x, wanted):
+            poses.publish(FramePoses(frame_names=['a'], poses=[x, 0, 0, 0, 0, 0, 1]))
+            rows = tables_of(shown).get('Events')
+            return rows is not None and any(row.cells[1:3] == wanted for row in rows.rows)
+
+        lone_client.wait_for(lambda: told(0.5, ('near', 'stop entered')), 'the stop')
+        entered = next(r for r in tables_of(shown)['Events'].rows if r.cells[2] == 'stop entered')
+        assert entered.warns
+        assert entered.cells[3] == 'near'
+        assert set(entered.cells[4].split(' | ')) == {'s::a/ball', 's::world/post'}
+        names = shown.moment(1.0, 'exact').geometries.names
+        assert {names[value] for value in entered.pair} == {'s::a/ball', 's::world/post'}
+        lone_client.wait_for(lambda: told(2.0, ('near', 'stop left')), 'that it was left')
+        lone_client.wait_for(lambda: 'Sensors' in tables_of(shown), 'the sensors')
+        (sensor,) = tables_of(shown)['Sensors'].rows
+        assert tuple(sensor.cells) == ('front', '/front/scan', '0', 'never heard of')
+        assert sensor.warns
+        ages = 'Ages of poses'
+        lone_client.wait_for(
+            lambda: [r.cells[0] for r in tables_of(shown).get(ages, NO_TABLE).rows] == ['s::a'],
+            'the age of the frame',
+        )
+        body = shown.body(next(value for value, name in names.items() if name == 's::a/ball'))
+        assert dict(body.rows())['shape'] == 'capsule'
+        assert set(body.roles) == {Role.kProximity, Role.kIllustration}
+    finally:
+        node.end()
+    lone_client.wait_for(lambda: 'Sensors' not in tables_of(shown), 'that old ages are not shown')
+
+
+def test_stopping_is_a_table():
+    message = Stopping(
+        rules=['brake', 'lost'], clear=[True, False], scale=[1.0, 0.0],
+        stopping_time=[0.25, 0.5], stopping_distance=[0.125, np.inf],
+        least_clearance=[0.0625, -1.0],
+        geometry_a=['s::a/ball', ''], geometry_b=['s::world/post', ''], id_a=[7, 0], id_b=[9, 0],
+        trouble=['', 'no joint speeds'],
+    )  # fmt: skip
+    brake, lost = stopping_table(message).rows
+    assert tuple(brake.cells) == (
+        *('brake', 'yes', '0.250 s', '125.0 mm', '62.5 mm', 's::a/ball | s::world/post'),
+    )
+    assert (brake.warns, brake.pair) == (False, (7, 9))
+    assert lost.cells[1] == 'NOT PROVED: no joint speeds'
+    assert lost.cells[3] == 'farther than asked'
+    assert (lost.warns, lost.pair) == (True, None)
 
 
 def test_the_topic_is_silent_without_a_listener_and_flat_with_one(

@@ -47,6 +47,13 @@ def wait_for(fact, what):
     raise AssertionError(f'waited {PATIENCE:g} s for {what}')
 
 
+def do(page, name, /, **arguments):
+    """Carry out a command as a browser sends it; return the sections for that browser."""
+    from drake_geom_ros.viewing.page.commands import Commands
+
+    return Commands(page).execute('test', {'do': name, **arguments})
+
+
 def value(page, name):
     """Return the id value of a geometry of a page's scene."""
     return next(v for v, each in page.moment.geometries.names.items() if each == name)

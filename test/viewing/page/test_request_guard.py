@@ -70,7 +70,7 @@ def test_the_page_itself_is_served(here, kind, name):
         status, answer = ask(here, kind, f'Host: {host}', *origin)
         assert status == served(kind), answer
     if kind == PAGE:
-        assert "frame-ancestors 'none'" in answer
+        assert "frame-ancestors 'self'\r" in answer
         assert 'no-referrer' in answer
 
 

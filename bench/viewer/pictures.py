@@ -1,0 +1,124 @@
+"""The pictures of docs/viewing.md: the page in a headless Chromium, clicked and photographed.
+
+./run exec python -m bench.viewer.pictures [--out docs] [--node]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from bench.viewer.browser import Browser
+from drake_geom_ros.command_line import view
+from drake_geom_ros.viewing.page.commands import Commands
+
+_DESK, _PHONE = (1600, 1000), (390, 844)
+_SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
+_CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
+_COLOURS = 256  # of a picture, which is a third as large so
+_MOMENT = 5.35  # [s] of the demo's motion, with both arms above the table
+
+
+def main() -> None:
+    """Write the pictures."""
+    parser = argparse.ArgumentParser(prog='python -m bench.viewer.pictures')
+    parser.add_argument('--out', type=Path, default=Path('docs'))
+    parser.add_argument('--node', action='store_true', help='the picture of a running node')
+    options = parser.parse_args()
+    if options.node:
+        with_node(options.out)
+    else:
+        with_demo(options.out)
+
+
+def with_demo(out: Path) -> None:
+    """Photograph the page of the demo's scene and motion."""
+    parser = argparse.ArgumentParser()
+    view.add_to(parser.add_subparsers())
+    motion = ['--motion', 'scenes/two_pandas_motion.yaml', '--between', 'left:right']
+    page = view.open_page(
+        parser.parse_args(['view', 'scenes/two_pandas.yaml', *motion, '--port', '18300'])
+    )
+    commands = Commands(page)
+
+    def do(name: str, /, **arguments: Any) -> None:
+        commands.execute('', {'do': name, **arguments})
+
+    try:
+        browser = opened(page.url, *_DESK)
+        do('time', value=_MOMENT)
+        names = ('left::panda_link5/collision_0', 'right::panda_link5/collision_0')
+        do('select_names', names=list(names))
+        photograph(browser, out / 'viewing_page.png')
+        for tab in ('motion', 'view'):
+            press(browser, f'to-{tab}')
+        browser.ask("document.querySelector('#selection details').open = true")
+        press(browser, 'theme')
+        do('option', name='grid', value=True)
+        photograph(browser, out / 'viewing_dark.png')
+        do('option', name='grid', value=False)
+        browser.close()
+        phone = opened(page.url, *_PHONE)
+        photograph(phone, out / 'viewing_phone.png')
+        phone.close()
+    finally:
+        page.close()
+
+
+def with_node(out: Path) -> None:
+    """Photograph the page of a running demo."""
+    from bench.ros.beside import NODE, VIEWER
+    from bench.ros.driver import MOTION, PLAYER, SCENE
+    from bench.ros.processes import Processes
+
+    with Processes() as processes:
+        processes.start(NODE, scene_file=SCENE, max_distance=0.3)
+        processes.start(PLAYER, scene_file=SCENE, trajectory_file=MOTION, rate=50.0)
+        processes.start(VIEWER, port=18301, max_distance=0.3)
+        time.sleep(_SETTLING)
+        browser = opened('http://127.0.0.1:18301/', *_DESK)
+        browser.ask("document.querySelector('#pairs tbody tr').click()")
+        time.sleep(1.0)
+        browser.ask('document.querySelector(\'[data-view="fit"]\').click()')
+        press(browser, 'to-live')
+        photograph(browser, out / 'viewing_node.png')
+        browser.close()
+
+
+def opened(url: str, width: int, height: int) -> Browser:
+    """Return a browser of just this size that has drawn a page."""
+    browser = Browser('about:blank', width, height)
+    browser.send(
+        'Emulation.setDeviceMetricsOverride',
+        width=width,
+        height=height,
+        deviceScaleFactor=1,
+        mobile=width < _DESK[0] // 2,
+    )
+    browser.send('Page.navigate', url=url)
+    browser.wait_for(lambda: browser.ask(f'!!({_CANVAS})'), 'a picture')
+    browser.wait_for(lambda: browser.ask("!!document.querySelector('#pairs tr')"), 'the table')
+    time.sleep(_SETTLING)
+    return browser
+
+
+def press(browser: Browser, name: str) -> None:
+    """Click on a button by its id."""
+    browser.ask(f"document.getElementById('{name}').click()")
+
+
+def photograph(browser: Browser, path: Path) -> None:
+    """Write what a browser shows, once it has drawn it."""
+    time.sleep(_SETTLING)
+    browser.screenshot(path)
+    image = Image.open(path).convert('RGB')
+    image.quantize(_COLOURS, method=Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
+    print(path)
+
+
+if __name__ == '__main__':
+    main()
