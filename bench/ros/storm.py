@@ -62,7 +62,8 @@ def scene_of(site: Site) -> Scene:
     text = site.ask(srv.SaveScene, f'{SERVER}/save_scene').text
     entries = yaml.load(text, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader))
     for frame in entries['frames']:
-        frame.pop('pose', None)
+        for key in ('pose', 'static'):  # `static: false` is said beside a pose
+            frame.pop(key, None)
     filters = site.ask(srv.GetFilters, f'{SERVER}/get_filters')
     service = f'{SERVER}/compute_signed_distance_pairwise'
     poses = msg.FramePoses(frame_names=played.frame_names, poses=played.poses(0.0).ravel())
