@@ -55,11 +55,22 @@ def parsed(arguments: Sequence[str] | None = None) -> argparse.Namespace:
         '--samples', type=_count, metavar='N', help='of each configuration of a case, at most'
     )
     parser.add_argument('--seed', type=int, default=0)
+    parser.add_argument(
+        '--scene',
+        type=Path,
+        metavar='FILE',
+        help='only print what each accuracy would cost for the pairs of this scene, as it begins',
+    )
     return parser.parse_args(arguments)
 
 
 def run(options: argparse.Namespace) -> int:
     """Measure and return the exit code; raises GeometryError for what cannot be measured."""
+    if options.scene is not None:
+        from bench.accuracy.own_scene import costs_of_scene
+
+        print('\n'.join(costs_of_scene(options.scene)))
+        return 0
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise GeometryError(

@@ -88,7 +88,8 @@ def choice(families: dict[tuple[str, str], list[Measured]]) -> str:
             ratios.append(exact / fast)
     advice = (
         'Choose `exact`, the default, unless a scene of yours is shown to gain from another '
-        'level: `~/cycle_report` tells what each level would cost for what the node is asked now.'
+        'level: `~/cycle_report` tells what each level would cost for what the node is asked '
+        'now, and `./run accuracy --scene FILE` for the pairs of a scene.'
     )
     if not ratios:
         return advice

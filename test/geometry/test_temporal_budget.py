@@ -91,7 +91,7 @@ def test_a_hint_changes_no_answer_and_costs_of_levels_are_told(mesh):
     with pytest.raises(ArgumentError, match='hint'):
         query.signed_distance_of_pair(pair.id_A, pair.id_B, hint=[1.0, 0.0])
     costs, samples = query.cost_of_levels(REACH)
-    assert list(costs) == ['bound', 'fast', 'balanced', 'exact']
+    assert list(costs) == ['bound', '0.01', 'fast', 'balanced', 'exact']
     assert 0 < samples <= 64
     with pytest.raises(ArgumentError, match='max_distance'):
         query.cost_of_levels(float('nan'))

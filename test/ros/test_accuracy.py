@@ -11,7 +11,7 @@ from ros.scene_calls import accepted, poses
 
 pytestmark = pytest.mark.topics
 
-LEVELS = ['bound', 'fast', 'balanced', 'exact']
+LEVELS = ['bound', '0.01', 'fast', 'balanced', 'exact']
 BOUND_ONLY = msg.SignedDistancePairs.METHOD_BOUND_ONLY
 COUNT = 20
 AGAIN = 10.0  # [s] after which poses are sent again

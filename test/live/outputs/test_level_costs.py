@@ -84,6 +84,6 @@ def test_the_live_scene_is_measured_and_not_touched(live, scene):
     effects = scene.query.effects()
     costs.count(effects.narrowphase_pairs, 0.5)
     costs.measure()
-    assert costs.last.levels == ['bound', 'fast', 'balanced', 'exact']
+    assert costs.last.levels == ['bound', '0.01', 'fast', 'balanced', 'exact']
     assert costs.last.samples == effects.narrowphase_pairs == 2
     assert scene.query.effects() == effects
