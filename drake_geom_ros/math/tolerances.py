@@ -55,6 +55,10 @@ CLEARANCE_TOLERANCE = 1e-3
 # How far [m], or by which sine [-], a pose may be out of the plane of a planar joint.
 OUT_OF_PLANE = 1e-6
 
+# How far [m], or by which sine [-], two files may put a joint or a shape that is the same: numbers
+# of a file that a program writes are rounded.
+SAME_MODEL = 1e-6
+
 # Rounding of the coefficients of a joint's quintic and of the sum of its terms [-], as a part of
 # all magnitudes that go into them: five coefficients with factors of up to 15, shifted once.
 SPLINE_ROUNDING = 256.0 * 2.0**-52

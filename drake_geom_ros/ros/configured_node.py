@@ -52,6 +52,7 @@ from drake_geom_ros.ros.outputs.diagnostics import (
 )
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.planning_scenes import PlanningScenes, SceneOutput
+from drake_geom_ros.ros.robot_listening import listen_to_robots
 from drake_geom_ros.ros.services.table import (
     BESIDE,
     CHANGES,
@@ -261,6 +262,8 @@ class ConfiguredNode:
         robot = RobotInput(self.live)
         receivers = topics.Receivers(self._stream, points, robot, planning, log)
         topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
+        parts = self._surface, self.live, self._guard, self._groups.loading
+        listen_to_robots(*parts, values.robot_descriptions, log)
         return planning
 
     def _listen(self, values: NodeParameters, obstacle_sources: Mapping[str, NamedSource]) -> None:

@@ -25,6 +25,7 @@ from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.gates import gates_of_parameter
 from drake_geom_ros.live.inputs.obstacle_refusals import refusal_of_obstacles
 from drake_geom_ros.live.inputs.obstacle_sources import obstacle_sources_of
+from drake_geom_ros.scene_files import robot_topics_of_text
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,7 @@ class NodeParameters:
     use_planning_scene: bool = False
     robot_description_topic: str = 'robot_description'
     robot_description_semantic_topic: str = 'robot_description_semantic'
+    robot_descriptions: str = ''
     filter_self_collisions: bool = False
     frame_prefix: str = ''
     solid_meshes: tuple[str, ...] = ()
@@ -120,6 +122,11 @@ TEXTS = {
     'robot_description_semantic_topic': (
         'Topic (std_msgs/String, latched) of the SRDF of that robot, whose disabled pairs are '
         'left out; empty: none.'
+    ),
+    'robot_descriptions': (
+        'Robots with topics of their own, in YAML: {left: {namespace: /left, pose: {position: '
+        '[0, 1, 0]}}, right: {topic: /right/robot_description, joint_states: /right/joint_states,'
+        ' frame_prefix: right/}}; empty: none.'
     ),
     'filter_self_collisions': (
         'Leave out all pairs of a robot with itself, of the robot of that topic and of a URDF.'
@@ -442,6 +449,8 @@ def _refusal(values: NodeParameters) -> str:
         paddings_of(values.obstacle_paddings, 'obstacle_paddings')
         obstacle_sources_of(values.obstacle_sources)
         gates_of_parameter(values.gate)
+        if values.robot_descriptions.strip():
+            robot_topics_of_text(values.robot_descriptions, 'robot_descriptions')
     except RuntimeError as error:
         return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''

@@ -149,6 +149,14 @@ def main() -> int:
             help=f'value of the parameter {default}_topic; empty: none',
         )
     parser.add_argument(
+        '--robot-topic',
+        action='append',
+        default=[],
+        metavar='TOPIC',
+        help='of a robot of the parameter robot_descriptions, or of its joints; repeat it for '
+        'several',
+    )
+    parser.add_argument(
         '--sensor-topic',
         action='append',
         default=[],
@@ -176,7 +184,11 @@ def main() -> int:
     text = policy(
         options.namespace,
         options.name,
-        robot_topics=(options.robot_description, options.robot_description_semantic),
+        robot_topics=(
+            options.robot_description,
+            options.robot_description_semantic,
+            *options.robot_topic,
+        ),
         sensor_topics=options.sensor_topic,
         tracked_topics=options.tracked_topic,
         gates=[tuple(gate) for gate in options.gate],

@@ -61,6 +61,11 @@ from drake_geom_ros.scene_files.registration import (
     warm_up,
 )
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
+from drake_geom_ros.scene_files.robot_topics import (
+    RobotTopics,
+    placed_robot,
+    robot_topics_of_text,
+)
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
@@ -97,6 +102,9 @@ __all__ = [
     'camera_of',
     'check_camera',
     'RobotOptions',
+    'RobotTopics',
+    'placed_robot',
+    'robot_topics_of_text',
     'LoadedScene',
     'SceneDescription',
     'Gate',

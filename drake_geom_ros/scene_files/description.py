@@ -97,6 +97,7 @@ class RobotOptions:
     ``paddings`` are pairs of such a pattern and a padding [m] on all sides; the last pattern that
     matches a geometry counts. ``frame_prefix`` is the prefix of the links' names in TF.
     ``flat_meshes`` is LEAVE_OUT or a thickness [m] for flat meshes, 0 if they are refused.
+    ``source`` is the name of the robot here; empty: that of its file.
     """
 
     filter_adjacent_links: bool = True
@@ -105,6 +106,7 @@ class RobotOptions:
     paddings: tuple[tuple[str, float], ...] = ()
     frame_prefix: str = ''
     flat_meshes: str | float = 0.0
+    source: str = ''
 
     def is_solid(self, link: str, geometry: str) -> bool:
         """Return whether a mesh stands for the solid inside its surface instead of its hull."""

@@ -155,7 +155,8 @@ def _urdf_scene(
     resolver: ResourceResolver,
     options: RobotOptions,
 ) -> SceneDescription:
-    name = robot_name(data, file)
+    robot = robot_name(data, file)
+    name = options.source or robot
     parts = read_urdf(data, file, name, folder, resolver, options)
     filters, warnings = parts.filters, parts.warnings
     srdf_path, groups, virtual = None, dict[str, tuple[str, ...]](), dict[str, str]()
@@ -164,11 +165,11 @@ def _urdf_scene(
         if not _as_text(srdf):
             srdf_path = Path(srdf_file).absolute()
             srdf_data, srdf_file = read_robot_file(Path(srdf_file), resolver.is_free)
-        semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
+        semantics = read_srdf(srdf_data, srdf_file, name, robot, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
         groups = link_groups(srdf_data, srdf_file, parts.tree)
         virtual = virtual_joints(srdf_data, srdf_file, parts.link_names)
-    robot = RobotDescription(
+    described = RobotDescription(
         name,
         urdf=path,
         X_WB=RigidTransform(),
@@ -181,7 +182,7 @@ def _urdf_scene(
     return SceneDescription(
         file,
         sources=(name,),
-        robots=(robot,),
+        robots=(described,),
         frames=parts.frames,
         geometries=parts.geometries,
         filters=filters,

@@ -37,7 +37,13 @@ from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
 from drake_geom_ros.scene_files.standing import configuration_of, held_joints_of
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
-from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
+from drake_geom_ros.scene_files.yaml_values import (
+    Plain,
+    paddings_of_robot,
+    pose_of,
+    roles_of,
+    shape_of,
+)
 
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
@@ -154,7 +160,7 @@ class _SceneParser:
             plain.get('adjacent_links') != 'kept',
             plain.get('self_collisions') == 'filtered',
             tuple(plain.get('solid_meshes', ())),
-            _paddings(plain.get('padding', {})),
+            paddings_of_robot(plain.get('padding', {})),
             flat_meshes=_flat_meshes(plain.get('flat_meshes', 0.0)),
         )
         parts = read_model(urdf_path, name, self._resolver, options, robot.model)
@@ -375,13 +381,6 @@ class _SceneParser:
         return tuple(
             names.find(name, self._document.at(*path, index)) for index, name in enumerate(plain)
         )
-
-
-def _paddings(plain: float | Plain) -> tuple[tuple[str, float], ...]:
-    """Return the paddings of a robot: one for all links, or by name or pattern."""
-    if not isinstance(plain, Mapping):
-        return (('*', float(plain)),)
-    return tuple((pattern, float(padding)) for pattern, padding in plain.items())
 
 
 def _flat_meshes(plain: str | float | Plain) -> str | float:

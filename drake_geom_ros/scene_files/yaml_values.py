@@ -55,6 +55,13 @@ _PROPERTIES = {
 }
 
 
+def paddings_of_robot(plain: float | Plain) -> tuple[tuple[str, float], ...]:
+    """Return the paddings of a robot: one for all links, or by name or pattern."""
+    if not isinstance(plain, Mapping):
+        return (('*', float(plain)),)
+    return tuple((pattern, float(padding)) for pattern, padding in plain.items())
+
+
 def pose_of(plain: Plain | None) -> RigidTransform:
     """Return a pose; a missing pose, position or orientation is the identity.
 

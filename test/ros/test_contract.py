@@ -35,6 +35,7 @@ PARAMETERS = {
     'publish_markers': (False, True),
     'autostart': (True, False),
     'robot_description_topic': ('robot_description', False),
+    'robot_descriptions': ('', False),
     'point_threshold': (0.1, True),
     'marker_rate': (10.0, False),
     'mesh_roots': (['package://', '.'], True),

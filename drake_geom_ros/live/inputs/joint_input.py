@@ -72,7 +72,7 @@ class JointInput:
         self._longest_gap = longest_gap
         self._by_default = by_default
         self._by_scene: set[str] = set()  # robots that planning scenes drive
-        self._version = -1
+        self._version = self._routed = -1
         self._carriers: dict[str, frozenset[int]] = {}  # of each robot
         # By topic and names: where each number goes, None for a joint of no robot here.
         self._known: dict[tuple[str, tuple[str, ...]], list[JointPlace | None]] = {}
@@ -228,8 +228,10 @@ class JointInput:
         self, scene: HeldScene, topic: str, names: tuple[str, ...]
     ) -> list[JointPlace | None]:
         """Return where the numbers of a message go; raises ArgumentError where none goes."""
-        if self._version != scene.model.model_version:
+        routed = scene.model.joints.routed
+        if self._version != scene.model.model_version or self._routed != routed:
             self._known.clear()
+            self._routed = routed
         places = None if topic == BY_SCENE else self._known.get((topic, names))
         if places is None:
             if topic == BY_SCENE:

@@ -43,6 +43,7 @@ class RobotJoints:
     ) -> None:
         """``frames`` by source and name; values of ``before`` go on where names are the same."""
         self.robots: dict[str, DrivenRobot] = {}
+        self.routed = 0  # how often a robot got another topic
         self.pasts: dict[str, JointPast] = {}  # of these, filled where somebody has to know
         self.past_of_links = LinksPast(self.pasts)
         self._homes: dict[str, tuple[FrameId | None, bool]] = {}
@@ -60,6 +61,11 @@ class RobotJoints:
             past = None if before is None else before.pasts.get(robot.name)
             self.robots[robot.name] = driven
             self.pasts[robot.name] = JointPast(driven, past)
+
+    def route(self, name: str, topic: str) -> None:
+        """Have the joints of a robot be those of a topic, and of no other one."""
+        self.robots[name].topic = topic
+        self.routed += 1
 
     def go_on_as(self, before: RobotJoints) -> None:
         """Know of joints what was known before, of robots that were there."""
@@ -239,7 +245,9 @@ def look_up(robots: Sequence[DrivenRobot], names: Sequence[str]) -> list[JointPl
         if len(matches) > 1:
             both = ' and '.join(repr(f'{p.robot}::{shortened(name)}') for p in matches)
             raise ArgumentError(
-                f'joint {shortened(name)!r} is one of {len(matches)} robots: name it as {both}'
+                f'joint {shortened(name)!r} is one of {len(matches)} robots: name it as {both}, '
+                'or give each robot a topic of its own (joint_states of the scene file, or of '
+                'the parameter robot_descriptions)'
             )
         places.append(matches[0] if matches else None)
     if twice := [p for p, n in Counter(filter(None, places)).items() if n > 1]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from drake_geom_ros.geometry import (
@@ -163,6 +164,15 @@ class SceneModel:
     def robot_names(self) -> set[str]:
         """Return the sources of the robots."""
         return {robot.name for robot in self.robots}
+
+    def route_joints(self, robot: str, topic: str) -> None:
+        """Have the joints of a robot be those of a topic, and of no other one."""
+        self.robots = [
+            replace(each, joint_states=topic) if each.name == robot else each
+            for each in self.robots
+        ]
+        if robot in self.joints.robots:
+            self.joints.route(robot, topic)
 
     def owned_geometry(self, name: str) -> tuple[SourceId, GeometryId]:
         """Return the source that owns a geometry, and the geometry of that name."""
