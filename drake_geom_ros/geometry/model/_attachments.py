@@ -77,9 +77,8 @@ def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord])
         frame = model.frames.pop(id)
         model.frame_names.remove((frame.source_id, frame.name))
         model.first_X_PFs.pop(id, None)
-    model.changed(
-        frames=bool(frames), roles={role for record in geometries for role in record.roles()}
-    )
+    roles = {role for record in geometries for role in record.roles()}
+    model.changed_geometries(geometries, roles, frames=bool(frames))
     return RemovedObjects(frames, geometries)
 
 
@@ -176,4 +175,4 @@ def _hang_on(model: Model, frame: FrameRecord, parent_id: FrameId) -> None:
     for id in [id for id in model.frames if id in below]:
         model.frames[id] = model.frames.pop(id)
     model.first_X_PFs.pop(frame.id, None)
-    model.changed(frames=True)
+    model.changed(frames=True, reordered=True)

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry.errors import (
     UnknownIdError,
 )
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId, geometry_id_of
+from drake_geom_ros.geometry.model._changed_geometries import ChangedGeometries
 from drake_geom_ros.geometry.model._records import (
     INTERNAL_SOURCE_NAME,
     ROLE_FIELDS,
@@ -58,6 +59,7 @@ class Model:
         self.renderers: dict[str, Renderer] = {}
         self.config = HeldConfig()  # immutable: a change replaces it
         self.versions = Versions()
+        self._changed_geometries = ChangedGeometries()
         self.source_names = {INTERNAL_SOURCE_NAME}
         self.frame_names = {(internal, WORLD_NAME)}
         self.geometry_names: dict[tuple[FrameId, Role, str], GeometryId] = {}
@@ -77,6 +79,7 @@ class Model:
         other.first_X_PFs, other.config = dict(self.first_X_PFs), self.config
         other.renderers = dict(self.renderers)
         other.versions = self.versions.copy()
+        other._changed_geometries = self._changed_geometries.copy()
         other.source_names = set(self.source_names)
         other.frame_names = set(self.frame_names)
         other.geometry_names = dict(self.geometry_names)
@@ -248,7 +251,7 @@ class Model:
             del self.frames[record.frame_id].geometry_ids[record.id]
             del self.geometries[record.id]
         self._removed.add(removed)
-        self.changed(roles={role for record in removed for role in record.roles()})
+        self.changed_geometries(removed, {role for r in removed for role in r.roles()})
         return removed
 
     # Changes.
@@ -297,7 +300,7 @@ class Model:
             del self.geometry_names[record.frame_id, role, record.name]
             self.geometries[record.id] = record.changed(**changed)
         if losing:
-            self.changed(roles=[role])
+            self.changed_geometries(losing, [role])
         return losing
 
     def change_shape(
@@ -349,7 +352,7 @@ class Model:
         self.geometries[record.id] = record
         for role in record.roles():
             self.geometry_names[record.frame_id, role, record.name] = record.id
-        self.changed(roles=record.roles() if roles is None else roles, names=names)
+        self.changed_geometries([record], record.roles() if roles is None else roles, names=names)
 
     def _repose(self, record: GeometryRecord, X_FG: RigidTransform) -> None:
         """Move a geometry in its frame, with the geometries that were registered on it."""
@@ -360,16 +363,42 @@ class Model:
         for child_id in self.children.get(record.id, []):
             self._repose(self.geometries[child_id], X_FG @ self.geometries[child_id].X_PG)
 
-    def changed(
-        self, frames: bool = False, roles: Collection[Role] = (), names: bool = True
-    ) -> None:
-        """Count a change of frames or of geometries with these roles; not ``names``: of shapes."""
+    def changed(self, frames: bool = False, reordered: bool = False, names: bool = True) -> None:
+        """Count a change of frames; ``reordered`` unless all others keep place and parent.
+
+        Not ``names``: a change of neither names nor the set of objects.
+        """
         self.versions.any += 1
         if names:
             self.versions.names = self.versions.any
         self.versions.frames += frames
-        self.versions.proximity += Role.kProximity in roles
+        self.versions.frame_order += reordered
+
+    def changed_geometries(
+        self,
+        records: Iterable[GeometryRecord] | None,
+        roles: Collection[Role],
+        *,
+        frames: bool = False,
+        names: bool = True,
+    ) -> None:
+        """Count a change of geometries (None: any) in some roles; not ``names``: of shapes.
+
+        ``frames``: frames were removed with them.
+        """
+        self.changed(frames=frames, reordered=frames, names=names)
+        if Role.kProximity in roles:
+            self.versions.proximity += 1
+            ids = None if records is None else [record.id for record in records]
+            self._changed_geometries.add(self.versions.proximity, ids)
         self.versions.roles.update((role, fresh_number()) for role in roles)
+
+    def geometries_changed_since(self, version: int) -> set[GeometryId] | None:
+        """Return the ids of the geometries that changed after a ``versions.proximity``.
+
+        None: any of them may have.
+        """
+        return self._changed_geometries.between(version, self.versions.proximity)
 
     def role_versions(self, filters: int) -> dict[Role, int]:
         """Return the version number of each role, given the version of the filters."""

@@ -166,7 +166,8 @@ class GeometryRecord:
 class Versions:
     """Version numbers, each of which grows with every change of a kind."""
 
-    frames: int = 0  # a frame was registered or renamed
+    frames: int = 0  # a frame was registered, renamed, removed or got another parent
+    frame_order: int = 0  # a frame was removed or got another parent
     proximity: int = 0  # the geometries with the proximity role, a shape or X_FG of one changed
     any: int = 0
     names: int = 0  # ``any`` at the last change of the set of objects, of names or of roles

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.engine.prepared import Prepared
 from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pairs
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
@@ -31,7 +32,7 @@ from drake_geom_ros.geometry.queries.half_space_pairs import (
     gaps_of,
     pairs_of_half_spaces,
 )
-from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
+from drake_geom_ros.geometry.queries.padding import Paddings, changed_paddings, paddings_of
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
 from drake_geom_ros.geometry.queries.world_tables import know_point_shapes
 from drake_geom_ros.math.array_types import Indices
@@ -223,9 +224,22 @@ class ContextState(PosedScene):
         """Return the cached paddings of the geometries, None if there are none."""
         version = self.model.versions.proximity
         if self._padded.version != version:
-            ids = self.up_to_date_world().geometries.ids
-            self._padded = _VersionedPaddings(version, paddings_of(self.model, ids))
+            ids = self.up_to_date_world().geometries.ids  # follows most changes
+            if self._padded.version != version:
+                self._padded = _VersionedPaddings(version, paddings_of(self.model, ids))
         return self._padded.paddings
+
+    def _follow(self, former: World, change: RowChange | None) -> None:
+        """Keep the neighbour lists and paddings of the geometries that did not change."""
+        if change is None:
+            return
+        self.engine.follow(former, self.world, change)
+        if self._padded.version == self.built.proximity:
+            paddings = changed_paddings(
+                self._padded.paddings, self.model, self.world.geometries.ids, change
+            )
+            version = self.model.versions.proximity
+            self._padded = _VersionedPaddings(version, paddings)
 
     def contact_bodies(self) -> ContactBodies:
         """Return the bodies of geometries with hydroelastic properties, up to date."""

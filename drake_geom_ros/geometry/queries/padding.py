@@ -49,7 +49,9 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     PointBatch,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import World
+from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import is_map, padding_of
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
@@ -72,13 +74,30 @@ class Paddings(NamedTuple):
 
 def paddings_of(model: Model, ids: Indices) -> Paddings | None:
     """Return the paddings of geometries by their id values (n,), None if all are 0."""
-    by_value = {id.get_value(): record for id, record in model.geometries.items()}
-    records = [by_value[value] for value in ids.tolist()]
-    radii = np.array([padding_of(record) for record in records], dtype=np.float64)
-    if not radii.any():
-        return None
-    hollow = [isinstance(r.shape, Mesh) or is_map(r) for r in records]
-    return Paddings(radii, np.array(hollow, dtype=bool))
+    return _unless_all_zero(_read_paddings(model, ids))
+
+
+def changed_paddings(
+    before: Paddings | None, model: Model, ids: Indices, change: RowChange
+) -> Paddings | None:
+    """Return ``paddings_of`` from those before a change of the geometries."""
+    new = _read_paddings(model, ids[change.new])
+    if before is None:
+        return paddings_of(model, ids) if new.radii.any() else None
+    return _unless_all_zero(Paddings(*map(change.merged, before, new)))
+
+
+def _read_paddings(model: Model, ids: Indices) -> Paddings:
+    """Return the paddings of geometries, read from their properties."""
+    records = [model.geometries[GeometryId(value)] for value in ids.tolist()]
+    return Paddings(
+        np.array([padding_of(record) for record in records], dtype=np.float64),
+        np.array([isinstance(r.shape, Mesh) or is_map(r) for r in records], dtype=bool),
+    )
+
+
+def _unless_all_zero(paddings: Paddings) -> Paddings | None:
+    return paddings if paddings.radii.any() else None
 
 
 def padded_pairs(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import Named, World
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId, SourceId
@@ -15,25 +16,13 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import FrameRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.model.scene_content import SceneContent
-from drake_geom_ros.geometry.queries.world_tables import tables_of
+from drake_geom_ros.geometry.queries.world_tables import ModelMark, changed_world, tables_of
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 _Scene = TypeVar('_Scene', bound='PosedScene')
 _MAX_FRAME_LISTS = 64  # a limit, since callers may pose different frames each time
-
-
-class ModelMark(NamedTuple):
-    """The versions of the model that a world was built from."""
-
-    frames: int
-    proximity: int
-
-    @classmethod
-    def of(cls, model: Model) -> ModelMark:
-        """Return the mark of a model's current versions."""
-        return cls(model.versions.frames, model.versions.proximity)
 
 
 class _WaitingFrames(NamedTuple):
@@ -74,16 +63,21 @@ class PosedScene(SceneContent):
         return other
 
     def up_to_date_world(self) -> World:
-        """Return the world, rebuilt with the same poses if frames or shapes changed."""
+        """Return the world, with changed frames and shapes, and the poses of the others."""
         seen = self.model.versions.any
         if self._seen != seen:
             built = ModelMark.of(self.model)
             if built != self.built:
-                self.world = self.world.rebuilt(*tables_of(self.model))
+                former = self.world
+                self.world, change = changed_world(former, self.model, self.built)
+                self._follow(former, change)
             if built.frames != self.built.frames:
                 self._named, self._own = {}, {}
             self.built, self._seen = built, seen
         return self.world
+
+    def _follow(self, former: World, change: RowChange | None) -> None:
+        """Adapt what was derived from a former world; None: all of its rows are new."""
 
     def posed_world(self) -> World:
         """Return the world for a query; raises PoseError if a pose that it needs is missing."""

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import islice
+from typing import NamedTuple
+
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import (
     FrameTable,
     GeometryTable,
@@ -16,6 +21,22 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.shapes.primitives import PackedShape
 from drake_geom_ros.math.array_types import Floats, Indices
+
+MUCH = 4  # times the changed geometries: from a scene that is no larger all is made again
+
+
+class ModelMark(NamedTuple):
+    """The versions of the model that a world was built from."""
+
+    frames: int
+    frame_order: int
+    proximity: int
+
+    @classmethod
+    def of(cls, model: Model) -> ModelMark:
+        """Return the mark of a model's current versions."""
+        versions = model.versions
+        return cls(versions.frames, versions.frame_order, versions.proximity)
 
 
 def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
@@ -30,11 +51,64 @@ def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
     geometries = sorted(
         (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
     )
-    packed = [g.queried_shape.in_pairs for g in geometries]
-    types, starts, pool = pooled(packed)
-    table = GeometryTable(
+    return frames, _table_of(model, geometries, [rows[g.frame_id] for g in geometries])
+
+
+def changed_world(world: World, model: Model, before: ModelMark) -> tuple[World, RowChange | None]:
+    """Return the world of a model that has changed since another one of it was built.
+
+    What did not change keeps its rows, poses and bounds. The change of rows is None where all of
+    them had to be made again.
+    """
+    ids = model.geometries_changed_since(before.proximity)
+    few = ids is not None and MUCH * len(ids) <= world.geometry_count
+    if ids is None or not few or before.frame_order != model.versions.frame_order:
+        return world.rebuilt(*tables_of(model)), None
+    frames = _with_more_frames(world.frames, model)
+    ordered = sorted(ids)
+    with_role = [id for id in ordered if _has_role(model, id)]
+    changed = np.array([id.get_value() for id in ordered], dtype=np.int64)
+    has_row = np.isin(changed, [id.get_value() for id in with_role])
+    change = RowChange.of(world.geometries.ids, changed, has_row)
+    geometries = [model.geometries[id] for id in with_role]
+    rows = _rows_of_frames(frames, [g.frame_id.get_value() for g in geometries])
+    points = PointShapes.of(*pooled([g.queried_shape.to_points for g in geometries]))
+    return world.changed(frames, _table_of(model, geometries, rows), change, points), change
+
+
+def _has_role(model: Model, id: GeometryId) -> bool:
+    """Return whether a geometry exists and has the proximity role."""
+    record = model.geometries.get(id)
+    return record is not None and record.proximity is not None
+
+
+def _with_more_frames(frames: FrameTable, model: Model) -> FrameTable:
+    """Return the frames of a model that begin with those of a table."""
+    more = len(model.frames) - len(frames.ids)
+    if not more:
+        return frames
+    records = list(islice(reversed(model.frames.values()), more))[::-1]
+    ids = np.concatenate((frames.ids, [record.id.get_value() for record in records]))
+    parents = _rows_of_frames(
+        FrameTable(ids, frames.parents), [record.parent_id.get_value() for record in records]
+    )
+    return FrameTable(ids, np.concatenate((frames.parents, parents)))
+
+
+def _rows_of_frames(frames: FrameTable, values: list[int]) -> Indices:
+    """Return the rows of a few frames by the values of their ids."""
+    rows = [np.flatnonzero(frames.ids == value)[0] for value in values]
+    return np.array(rows, dtype=np.int64)
+
+
+def _table_of(
+    model: Model, geometries: list[GeometryRecord], frame_rows: Sequence[int] | Indices
+) -> GeometryTable:
+    """Pack geometries on frames with these rows."""
+    types, starts, pool = pooled([g.queried_shape.in_pairs for g in geometries])
+    return GeometryTable(
         ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
-        frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
+        frames=np.array(frame_rows, dtype=np.int64),
         R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
         p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
         roundings=_roundings(model, geometries),
@@ -42,7 +116,6 @@ def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
         starts=starts,
         pool=pool,
     )
-    return frames, table
 
 
 def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
@@ -92,6 +165,5 @@ def know_point_shapes(world: World, model: Model) -> None:
     ]
     packed = [shape.to_points for shape in shapes]
     if any(one is not shape.in_pairs for one, shape in zip(packed, shapes, strict=True)):
-        types, starts, pool = pooled(packed)
-        world.point_shapes = PointShapes(types, starts, pool, frozenset(types.tolist()))
+        world.point_shapes = PointShapes.of(*pooled(packed))
     world.has_point_shapes = True

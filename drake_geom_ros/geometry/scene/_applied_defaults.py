@@ -23,7 +23,7 @@ def with_defaults(model: Model) -> None:
     for id, record in list(model.geometries.items()):
         model.geometries[id] = record.filled(model.config)
         _ = model.geometries[id].hydroelastic_body
-    model.changed(roles=[Role.kProximity], names=False)
+    model.changed_geometries(None, [Role.kProximity], names=False)
 
 
 def share(model: Model) -> None:

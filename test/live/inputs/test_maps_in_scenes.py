@@ -22,7 +22,7 @@ from drake_geom_ros.live.scene.scene_rules import Blind
 from drake_geom_ros.live.services import files, obstacles, scene, shapes
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule, RuleMonitor
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.scene_files import ObstacleSource, read_scene
 from drake_geom_ros.sensed_maps import Cells
 
 WALLS = """
@@ -368,3 +368,20 @@ def test_rules_are_about_the_same_pairs_whatever_a_map_holds(monkeypatch):
         )
         held.bind_rules()
     assert bound
+
+
+def test_a_map_that_comes_after_answers_is_where_its_cells_are():
+    """Its frame, which waited, is posed at the origin, where it stood unposed: that is no move."""
+    node = Node()
+    node.add(ObstacleSource('depth', 'depth_image', '~/obstacles/depth'))
+    for stamp in (101.0, 102.0):
+        node.clock.now = stamp
+        node.move(stamp, [0.0, 0.0, 1.0])
+        _, waiting = node.pairs()
+        assert waiting == 2
+        node.taker.take_cloud(cloud([[0.55, 0.05, -0.95]], 's::mast', stamp))
+        found, waiting = node.pairs()
+        assert found[frozenset(('s::arm/hand', 'obstacles::points/map'))] == pytest.approx(0.4)
+        assert waiting == 1
+        obstacles.clear_obstacles(node.live, Plain(map=''), Plain(cells=None))
+        node.pairs()

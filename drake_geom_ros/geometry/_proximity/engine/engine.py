@@ -61,6 +61,7 @@ from drake_geom_ros.geometry._proximity.report import (
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell
 from drake_geom_ros.geometry._proximity.runtime.threads import LONG, THREADS, share
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
 
 Floats = NDArray[np.float64]
@@ -142,6 +143,11 @@ class Engine:
     ) -> Prepared:
         """Return a reusable query of a world under filters; ``mode`` is one of ``pair_query``."""
         return self._queries.prepared(world, filters, level_gap, cutoff, penetrating, mode)
+
+    def follow(self, former: World, world: World, change: RowChange) -> None:
+        """Keep what is remembered of a former world for one with changed rows."""
+        self._queries.follow(former, world, change)
+        self._last, self._answers = None, _NO_ANSWERS
 
     def candidates_of(self, prepared: Prepared) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounding volumes do not separate."""

@@ -34,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.report import CONTACT_A, CONTACT_B, ReportArrays
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
@@ -160,6 +161,18 @@ class PreparedQueries:
                 return query
         return self._prepare(world, filters, QueryKey(level_gap, cutoff, penetrating, mode))
 
+    def follow(self, former: World, world: World, change: RowChange) -> None:
+        """Keep the neighbour lists of a former world for one with changed rows."""
+        if former is not self._world:
+            return
+        self._lists = {
+            unlimited: near.following(world, change) for unlimited, near in self._lists.items()
+        }
+        for query in self._queries.values():
+            query.scene = -1
+        self._report.summary[[CONTACT_A, CONTACT_B]] = -1
+        self._world, self._queries = world, {}
+
     def forget_list(self, cutoff: float) -> None:
         """Release the neighbour list of queries with such a cutoff, and all prepared queries."""
         self._lists.pop(math.isinf(cutoff))
@@ -196,7 +209,10 @@ class PreparedQueries:
         if ready is not None and ready[0] is world and ready[1:] == (filters, filters.version):
             return []
         table = world.geometries
-        moving, kinds = np.unique(table.types[~world.anchored]), np.unique(table.types)
+        moving, kinds = (
+            np.flatnonzero(np.bincount(types))
+            for types in (table.types[~world.anchored], table.types)
+        )
         rows = table_rows(moving[:, None], kinds[None, :])
         missing = (rows >= 0) & ~COMPILED_ROWS[rows]
         if missing.any():

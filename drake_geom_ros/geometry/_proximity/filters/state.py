@@ -59,7 +59,9 @@ class FilterState:
         self._bodies: Slots = np.zeros(0, dtype=np.int64)
         self._bit_rows: BitRows = np.zeros(0, dtype=np.int32)
         self._free_rows: list[int] = []
-        self._table: tuple[NDArray[np.int64], Slots] | None = None
+        none = np.zeros(0, dtype=np.int64)
+        self._table: tuple[NDArray[np.int64], Slots] = none, none
+        self._table_lacks: set[int] = set()  # keys that came or went since it was made
         # Frames welded to the world, with the first pose of each (POSE_WIDTH,) once it has one.
         self.welded: dict[int, NDArray[np.float64] | None] = {}
 
@@ -78,7 +80,7 @@ class FilterState:
         other._bits, other._bit_rows = bits, bit_rows
         other._bodies = self._bodies.copy()
         other._free_rows = list(self._free_rows)
-        other._table = self._table
+        other._table, other._table_lacks = self._table, set(self._table_lacks)
         other.welded = dict(self.welded)
         return other
 
@@ -124,7 +126,7 @@ class FilterState:
         slot = self._free.pop()
         self._slot_of[key] = slot
         self._bodies[slot] = _ANCHORED if anchored or frame in self.welded else frame
-        self._table = None
+        self._table_lacks.add(key)
         self.version += 1
         self._log.register(key)
         for name in self.groups.ignoring(UNIVERSAL):
@@ -139,7 +141,7 @@ class FilterState:
             self._bit_rows[slot] = NO_ROW
             self._free_rows.append(bit_row)
         self._free.append(slot)
-        self._table = None
+        self._table_lacks.add(key)
         self.groups.forget(key)
         self._log.forget(key)
         self.version += 1
@@ -172,14 +174,24 @@ class FilterState:
 
     def table(self) -> tuple[NDArray[np.int64], Slots]:
         """Return the keys of all geometries, ascending, and the slot of each."""
-        if self._table is None:
-            sorted_keys = np.array(self.all_keys(), dtype=np.int64)
-            self._table = sorted_keys, self._slots_of(sorted_keys.tolist())
+        if self._table_lacks:
+            changed, (keys, slots) = sorted(self._table_lacks), self._table
+            former = np.flatnonzero(np.isin(keys, changed))
+            keys, slots = np.delete(keys, former), np.delete(slots, former)
+            new = [key for key in changed if key in self._slot_of]
+            places = np.searchsorted(keys, new)
+            self._table = (
+                np.insert(keys, places, new),
+                np.insert(slots, places, self._slots_of(new)),
+            )
+            self._table_lacks = set()
         return self._table
 
     def slots(self, keys: NDArray[np.int64]) -> Slots:
         """Return the slot of each geometry."""
         sorted_keys, slots = self.table()
+        if np.array_equal(sorted_keys, keys):
+            return slots
         return slots[np.searchsorted(sorted_keys, keys)]
 
     def mask(self, slots_a: Slots, slots_b: Slots) -> Flags:

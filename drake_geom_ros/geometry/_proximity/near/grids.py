@@ -93,6 +93,18 @@ def room_for(count: int) -> Boxes:
     )
 
 
+def rename_rows(boxes: Boxes, places: Indices) -> None:
+    """Give bodies their rows of now, ``places`` (n,) by those before; -1: a body is gone."""
+    count = int(boxes.counts[BODIES])
+    rows = places[boxes.rows[:count]]
+    gone = np.flatnonzero(rows < 0)
+    rows[gone] = 0
+    boxes.rows[:count] = rows
+    for side, nowhere in ((LOWER, math.inf), (UPPER, -math.inf)):
+        boxes.bounds[gone, side : side + 3] = nowhere
+        boxes.sides[side : side + 3, gone] = nowhere
+
+
 @inlined
 def bucket_of(counts: Indices, x: int, y: int, z: int, grid: int) -> int:
     """Return the bucket of a cell; buckets are consecutive along x."""

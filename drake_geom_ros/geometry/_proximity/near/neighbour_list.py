@@ -16,6 +16,8 @@ cutoff, the pair is certified to be beyond it.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,7 @@ from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.near.arrays import (
+    ACTIVE_THEN,
     CONSIDERED,
     FREE,
     HAS_KERNELS,
@@ -32,10 +35,13 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     LENGTHS,
     LIST_CUTOFF,
     MADE,
+    MADE_AT,
     NEEDED,
     NUMBERS,
     PAIRS,
+    RESTING,
     RESTING_CUTOFF,
+    SETTLED_AT,
     FilterArrays,
     ListArrays,
     filters_of,
@@ -43,45 +49,63 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
 )
 from drake_geom_ros.geometry._proximity.near.box_lanes import empty_sides
 from drake_geom_ros.geometry._proximity.near.by_grids import BY_GRIDS, compile_by_grids
-from drake_geom_ros.geometry._proximity.near.grids import room_for
+from drake_geom_ros.geometry._proximity.near.grids import (
+    ROW_BITS,
+    SECOND_ROW,
+    Boxes,
+    rename_rows,
+    room_for,
+)
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
 
+ROOM_FOR_MORE = 8  # of the geometries: this part of them fits in without another allocation
 MOST_REMEMBERED = 128  # geometries up to which all pairs get memory for a polytope
+
+_OF_BODIES = (
+    *('lowers', 'uppers', 'paddings', 'rest_paddings', 'rows', 'tally', 'sides'),
+    *('candidates', 'sorting'),
+)
+_OF_PAIRS = ('codes', 'pairs', 'slots', 'new_slots', 'hits', 'memory')
 
 
 class NeighbourList:
     """The unfiltered pairs of a world within the cutoff, sorted, each with a slot."""
 
-    def __init__(self, world: World, unlimited: bool = False) -> None:
+    arrays: ListArrays
+    _boxes: tuple[Boxes, Boxes]  # of moving and of resting bodies
+
+    def __init__(
+        self, world: World, unlimited: bool = False, former: NeighbourList | None = None
+    ) -> None:
+        """Make a list of no pairs; ``former``, which is not used any more, gives it its room."""
+        self._unlimited = unlimited
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
         hulls = np.count_nonzero(world.geometries.types == CONVEX)
         # Of all pairs of a large scene few overlap, and most are not of hulls.
         remembers = hulls > 1 and (n <= MOST_REMEMBERED or not unlimited)
-        codes = np.zeros(64 + 8 * n, dtype=np.int64)
-        rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        none = np.zeros(0, dtype=np.int64)
+        if former is not None and n <= len(former.arrays.rows):
+            of_bodies = {name: getattr(former.arrays, name) for name in _OF_BODIES}
+            self._boxes = former._boxes
+        else:
+            room = n + n // ROOM_FOR_MORE
+            of_bodies = _room_for_bodies(room)
+            self._boxes = room_for(room), room_for(room)
         self.arrays = ListArrays(
             numbers=np.zeros(NUMBERS, dtype=np.int64),
             lengths=np.zeros(LENGTHS),
             is_plane=is_plane,
             active=~world.anchored & ~is_plane,
-            lowers=np.zeros((n, 3)),
-            uppers=np.zeros((n, 3)),
-            paddings=np.zeros(n),
-            rest_paddings=np.zeros(n),
-            rows=rows,
-            tally=np.zeros(n + 1, dtype=np.int64),
-            sides=empty_sides(n),
             planes=np.flatnonzero(is_plane),
             no_bodies=np.zeros(0, dtype=np.bool_),
-            candidates=codes,
-            sorting=codes.copy(),
             resting=np.zeros(1, dtype=np.int64),
             codes=none,
             pairs=np.zeros((0, 2), dtype=np.int64),
@@ -91,12 +115,64 @@ class NeighbourList:
             hits=none,
             by_grids=BY_GRIDS,
             memory=np.zeros((0, SLOT_WIDTH + (MEMORY_WIDTH if remembers else 0))),
+            **of_bodies,
         )
         self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
-        self._boxes = room_for(n), room_for(n)  # of moving and of resting bodies
         self._seen_filters: tuple[FilterState | None, int] = None, -1  # with their version
-        self._filters = FilterArrays(rows, *FilterState().matrix)
+        self._filters = FilterArrays(self.arrays.rows, *FilterState().matrix)
         self._make_handles()
+
+    def following(self, world: World, change: RowChange) -> NeighbourList:
+        """Return the list of a world with changed rows; this one must not be used afterwards.
+
+        Pairs of rows that stay keep their slots, with the last answers. Resting bodies are not
+        sorted in again: bodies that came, or have another shape, count as active for a time.
+        """
+        other = NeighbourList(world, self._unlimited, self)
+        places = change.places(len(self.arrays.is_plane))
+        other._keep_pairs(self, places)
+        if other._boxes is self._boxes:
+            other._keep_resting(self, places, world, change.new)
+        other._make_handles()
+        return other
+
+    def _keep_pairs(self, former: NeighbourList, places: Indices) -> None:
+        """Take over the pairs of a former list by the places of its rows now, -1: it is gone."""
+        before, count = former.arrays, former.count
+        if before.memory.shape[1] != self.arrays.memory.shape[1]:
+            return
+        pairs, slots = places[former.pairs], former.slots.copy()
+        is_kept = (pairs >= 0).all(axis=1)
+        kept, gone = pairs[is_kept], slots[~is_kept]
+        before.pairs[: len(kept)], before.slots[: len(kept)] = kept, slots[is_kept]
+        before.codes[: len(kept)] = kept[:, 0] << ROW_BITS | kept[:, 1]
+        free = int(before.numbers[FREE])
+        before.free[free : free + len(gone)] = gone
+        of_slots = {name: getattr(before, name) for name in (*_OF_PAIRS, 'free')}
+        self.arrays = self.arrays._replace(**of_slots)
+        self.arrays.numbers[[PAIRS, FREE]] = count - len(gone), free + len(gone)
+
+    def _keep_resting(
+        self, former: NeighbourList, places: Indices, world: World, new: Indices
+    ) -> None:
+        """Take over the cells of resting bodies, as ``_keep_pairs`` does, and their pairs."""
+        before, stays = former.arrays, places >= 0
+        active = self.arrays.active.copy()
+        active[places[stays]] = before.active[stays]
+        active[new] = ~self.arrays.is_plane[new]
+        if not np.isin(np.flatnonzero(active & world.anchored), world.newcomers).all():
+            return
+        self.arrays.active[:] = active
+        codes = before.resting[: before.numbers[RESTING]]
+        pairs = places[np.column_stack((codes >> ROW_BITS, codes & SECOND_ROW))]
+        pairs = pairs[(pairs >= 0).all(axis=1)]
+        before.resting[: len(pairs)] = pairs[:, 0] << ROW_BITS | pairs[:, 1]
+        self.arrays = self.arrays._replace(resting=before.resting)
+        for name in (MADE_AT, SETTLED_AT, ACTIVE_THEN):
+            self.arrays.numbers[name] = before.numbers[name]
+        self.arrays.numbers[RESTING] = len(pairs)
+        self.arrays.lengths[RESTING_CUTOFF] = before.lengths[RESTING_CUTOFF]
+        rename_rows(self._boxes[1], places)
 
     def _make_handles(self) -> None:
         """Make the handles of the current arrays."""
@@ -184,7 +260,7 @@ class NeighbourList:
         arrays = self.arrays
         more = capacity - len(arrays.slots)
         grown = {}
-        for name in ('codes', 'pairs', 'slots', 'new_slots', 'hits', 'memory'):
+        for name in _OF_PAIRS:
             array = getattr(arrays, name)
             grown[name] = np.concatenate((array, np.zeros((more, *array.shape[1:]), array.dtype)))
         free = np.empty(capacity, dtype=np.int64)
@@ -192,6 +268,22 @@ class NeighbourList:
         free[more : more + arrays.numbers[FREE]] = arrays.free[: arrays.numbers[FREE]]
         arrays.numbers[FREE] += more
         self.arrays = arrays._replace(free=free, **grown)
+
+
+def _room_for_bodies(room: int) -> dict[str, Any]:
+    """Return the arrays of a list that only a query's own steps read, for so many bodies."""
+    codes = np.zeros(64 + 8 * room, dtype=np.int64)
+    return {
+        'lowers': np.zeros((room, 3)),
+        'uppers': np.zeros((room, 3)),
+        'paddings': np.zeros(room),
+        'rest_paddings': np.zeros(room),
+        'rows': np.zeros(room, dtype=np.int64),
+        'tally': np.zeros(room + 1, dtype=np.int64),
+        'sides': empty_sides(room),
+        'candidates': codes,
+        'sorting': codes.copy(),
+    }
 
 
 @compiled

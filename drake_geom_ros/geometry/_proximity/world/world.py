@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.world.pose_update import (
     update_frames,
     update_geometries,
 )
+from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -55,6 +56,11 @@ class PointShapes(NamedTuple):
     pool: Floats
     kinds: frozenset[int]  # the distinct types
 
+    @classmethod
+    def of(cls, types: Indices, starts: Indices, pool: Floats) -> PointShapes:
+        """Return packed shapes with their distinct types."""
+        return cls(types, starts, pool, frozenset(np.bincount(types).nonzero()[0].tolist()))
+
 
 class Named:
     """Frames of a world that are posed together, looked up once."""
@@ -76,6 +82,18 @@ class Named:
 
 _NOBODY = Named(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
 NO_POSES = np.zeros((0, POSE_WIDTH))
+_OF_FRAMES = (
+    '_R_PFs',
+    '_p_PFs',
+    'R_WFs',
+    'p_WFs',
+    '_frame_roundings',
+    '_moved',
+    '_named',
+    '_posed',
+)
+_OF_GEOMETRIES = ('stamps', 'travels', 'R_WGs', 'p_WGs', 'roundings', 'half_extents')
+_MOST_NEWCOMERS = 64  # anchored geometries that neighbour lists treat as moving ones
 
 
 class World:
@@ -105,13 +123,13 @@ class World:
         self.p_WFs = self._p_PFs.copy()
         # Rounding of X_WF: TURN and SHIFT, see ``pose_rounding``.
         self._frame_roundings = np.zeros((count, 2))
-        self._order = np.argsort(frames.ids)
-        self._sorted_ids = frames.ids[self._order]
+        self._sort_ids()
         self._moved = np.ones(count, dtype=np.bool_)
         self._named = np.zeros(count, dtype=np.int64)
         self._posed = np.zeros(count, dtype=np.bool_)
         self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
         self._placings = np.zeros(1, dtype=np.int64)
+        self.placed = self._posed.copy()  # (nf,) the frame and all its ancestors have a pose
         self._allocate_geometries()
         self._place(np.zeros(1, dtype=np.int64))
 
@@ -129,27 +147,37 @@ class World:
         # Half extents of the box around Go, in World axes, with the rounding of the pose [m].
         self.half_extents = np.zeros((n, 3))
         # The same shapes for points, until the first point query sets others.
-        kinds = frozenset(table.types.tolist())
-        self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
+        self.point_shapes = PointShapes.of(table.types, table.starts, table.pool)
         self.has_point_shapes = False
+        self._classify(np.zeros(0, dtype=np.int64))
+        (
+            self.outer_radii,
+            self.inner_radii,
+            self.ball_centres,
+            self.ball_radii,
+            self._body_data,
+        ) = _derived_from(table)
+        self._make_handle()
+
+    def _classify(self, newcomers: Indices) -> None:
+        """Find the anchored geometries, and the movable ones; ``newcomers`` count as such."""
+        table = self.geometries
         self.anchored = table.frames == 0
         # Every query reads this flag, and examines pairs of half spaces only if it is set: filters
         # exclude pairs of two anchored ones.
         planes = table.types == HALF_SPACE
         has_moving = bool((planes & ~self.anchored).any())
         self.has_plane_pairs = has_moving and int(np.count_nonzero(planes)) > 1
-        self.movable = np.flatnonzero(~self.anchored)
-        # Largest distance from Go and largest ball about Go that fits [m].
-        shapes = table.types, table.starts, table.pool
-        self.outer_radii, self.inner_radii = shape_radii(*shapes)
-        # Centres in G and radii [m] of balls inside the shapes, which need not be about Go.
-        self.ball_centres, self.ball_radii = balls_inside(*shapes, self.inner_radii)
-        levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
-        at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
-        # In one array (n, 5), since each array passed to compiled code takes time: see
-        # ``pose_update``.
-        self._body_data = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
-        self._make_handle()
+        # Anchored geometries that came lately: neighbour lists have not sorted them in, so they
+        # look for them as for moving ones.
+        self.newcomers = newcomers if len(newcomers) <= _MOST_NEWCOMERS else newcomers[:0]
+        is_movable = ~self.anchored
+        is_movable[self.newcomers] = True
+        self.movable = np.flatnonzero(is_movable)
+
+    def _sort_ids(self) -> None:
+        self._order = np.argsort(self.frames.ids)
+        self._sorted_ids = self.frames.ids[self._order]
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
@@ -172,7 +200,11 @@ class World:
             frame_ids=self.frames.ids,
             p_WFs=self.p_WFs,
         )
-        arrays = WorldArrays(
+        self.handle = handle_of(self._arrays())
+
+    def _arrays(self) -> WorldArrays:
+        table = self.geometries
+        return WorldArrays(
             placings=self._placings,
             named=self._named,
             moved=self._moved,
@@ -203,7 +235,6 @@ class World:
             stamps=self.stamps,
             travels=self.travels,
         )
-        self.handle = handle_of(arrays)
 
     @property
     def placings(self) -> int:
@@ -253,6 +284,77 @@ class World:
         other._place(new[self._posed[old]])
         return other
 
+    def changed(
+        self, frames: FrameTable, new: GeometryTable, change: RowChange, new_points: PointShapes
+    ) -> World:
+        """Return a world of changed geometries, in which the others keep all that they have here.
+
+        ``frames`` begin with those of this world. ``new`` (k,) are the changed geometries and
+        those that were added, with the rows of ``frames``; ``change`` says where they go.
+        ``new_points`` are the shapes of these for points, if this world has such shapes.
+        """
+        self._apply_pending()
+        other = World.__new__(World)
+        other.__dict__.update(self.__dict__)
+        other._placings = self._placings.copy()
+        other._kept_poses = None  # results of the former world refer to its rows
+        other._add_frames(frames)
+        before, merged = self.geometries, change.merged
+        shapes = change.merged_shapes(before[5:], new[5:])
+        other.geometries = GeometryTable(
+            merged(before.ids, new.ids),
+            merged(before.frames, new.frames),
+            merged(before.R_FGs, new.R_FGs),
+            merged(before.p_FGs, new.p_FGs),
+            merged(before.roundings, new.roundings),
+            *shapes,
+        )
+        derived = _derived_from(new)
+        other.outer_radii = merged(self.outer_radii, derived[0])
+        other.inner_radii = merged(self.inner_radii, derived[1])
+        other.ball_centres = merged(self.ball_centres, derived[2])
+        other.ball_radii = merged(self.ball_radii, derived[3])
+        other._body_data = merged(self._body_data, derived[4])
+        for name in _OF_GEOMETRIES:
+            setattr(other, name, merged(getattr(self, name), 0))
+        if self.has_point_shapes:
+            shapes = change.merged_shapes(self.point_shapes[:3], new_points[:3])
+        other.point_shapes = PointShapes.of(*shapes)
+        other.waiting = ~other.placed[other.geometries.frames]
+        stayed = change.places(self.geometry_count)[self.newcomers]
+        came = change.new[new.frames == 0]
+        other._classify(np.sort(np.concatenate((stayed[stayed >= 0], came))))
+        other._make_handle()
+        other._pose_new(change.new)
+        return other
+
+    def _add_frames(self, frames: FrameTable) -> None:
+        """Copy the arrays of frames, with more frames behind the others that have no pose yet."""
+        former, self.frames = len(self.frames.ids), frames
+        more = len(frames.ids) - former
+        added = RowChange.appended(former, more)
+        for name in _OF_FRAMES:
+            setattr(self, name, added.merged(getattr(self, name), 0))
+        if more:
+            self._R_PFs[former:] = self.R_WFs[former:] = np.eye(3)
+            self._moved[former:] = True
+            self.placed = added.merged(self.placed, False)
+            self._sort_ids()
+            self.is_whole, self.is_stale = False, True
+
+    def _pose_new(self, rows: Indices) -> None:
+        """Pose geometries as their frames are, also those that wait for a first pose.
+
+        A first pose that equals that of a waiting frame, at the origin, moves nothing.
+        """
+        if self._moved[0]:
+            return  # the first update poses all
+        self.revision += 1
+        arrays = self._arrays()._replace(moved=np.ones_like(self._moved))
+        handle = handle_of(arrays)  # valid as long as these arrays
+        for row in rows.tolist():
+            update_geometries(handle, self.revision, row, row + 1)
+
     def pose_as(self, other: World) -> None:
         """Pose the frames that another world has on the same parents as they are posed there."""
         _, here, there = np.intersect1d(
@@ -289,7 +391,7 @@ class World:
         """Mark the frames in ``rows`` (n,) as posed, and the descendants that wait no longer."""
         self._posed[rows] = True
         self.is_whole = bool(self._posed.all())
-        self.placed = self._posed.copy()  # (nf,) the frame and all its ancestors have a pose
+        self.placed = self._posed.copy()
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
         self.waiting[:] = ~self.placed[self.geometries.frames]
@@ -379,3 +481,21 @@ class World:
         counts = update(self.handle, self.revision + 1)
         self.revision, self.is_stale = self.revision + 1, False
         return counts
+
+
+def _derived_from(table: GeometryTable) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Return what does not depend on poses: radii, balls, and ``body_data`` of geometries.
+
+    They are the largest distance from Go and the largest ball about Go that fits (n,) [m], centres
+    in G (n, 3) and radii (n,) [m] of balls inside the shapes, which need not be about Go, and all
+    that ``pose_update`` reads, in one array (n, 5), since each array passed to compiled code takes
+    time.
+    """
+    shapes = table.types, table.starts, table.pool
+    outer, inner = shape_radii(*shapes)
+    centres, radii = balls_inside(*shapes, inner)
+    levers = np.where(table.types == SPHERE, 0.0, outer)
+    at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
+    rest = np.zeros(len(table.types))
+    body_data = np.column_stack((table.roundings, levers, at_origin, rest))
+    return outer, inner, centres, radii, body_data
