@@ -71,8 +71,14 @@ def test_only_messages_change_what_is_the_maps():
     shape = Plain(type=1, dimensions=[0.1])
     asked = [
         (scene.detach, Plain(frame='obstacles::points', pose_given=False)),
-        (scene.attach, Plain(frame='obstacles::points', parent='s::mast', pose_given=False)),
-        (scene.attach, Plain(frame='s::mast', parent='obstacles::points', pose_given=False)),
+        (
+            scene.attach,
+            Plain(frame='obstacles::points', parent='s::mast', touch_links=[], pose_given=False),
+        ),
+        (
+            scene.attach,
+            Plain(frame='s::mast', parent='obstacles::points', touch_links=[], pose_given=False),
+        ),
     ]
     for serve, request in asked:
         with pytest.raises(RuntimeError, match='sensed maps'):
