@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry.queries.joint_motions import JointMotions
 from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointKind
-from drake_geom_ros.math.array_types import Flags, Floats, Indices
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.stopping.braking import StopCategory
-from drake_geom_ros.stopping.moving_pairs import Moment, MovingPairs
+from drake_geom_ros.stopping.moving_pairs import Moment, MovingPairs, PosedPairs
+from drake_geom_ros.stopping.question_pairs import QuestionPairs, between
 from drake_geom_ros.stopping.robots import BrakedJoints, Columns, arc_deviation
 from drake_geom_ros.stopping.stop import (
     FREE,
@@ -23,6 +25,7 @@ from drake_geom_ros.stopping.stop import (
 from drake_geom_ros.stopping.stop_paths import (
     StopProfile,
     boxes_over_shares,
+    end_of_stops,
     joined,
     path_over_shares,
     path_over_time,
@@ -33,6 +36,15 @@ from drake_geom_ros.stopping.unmapped import Unmapped, stop_before
 _FINER = 4  # parts of an edge of boxes that is not proved, in the second look at it
 
 
+class _Part(NamedTuple):
+    """Pairs of a question that are looked at together, and how the columns move that move them."""
+
+    pairs: MovingPairs
+    asked: Flags  # (k,)
+    profile: StopProfile
+    along: bool  # all columns brake along one path; otherwise each may stop by itself
+
+
 class PreparedQuestion:
     """One question in one version of the scene."""
 
@@ -41,45 +53,25 @@ class PreparedQuestion:
         question: StoppingQuestion,
         braked: BrakedJoints,
         columns: Columns,
-        motions: JointMotions,
-        braked_by_any: Flags,
+        about: QuestionPairs,
+        posed: PosedPairs,
+        travel: BodyTravel,
     ) -> None:
         self.question, self._braked, self._columns = question, braked, columns
-        self._own: Flags = np.zeros(columns.width, dtype=np.bool_)
-        self._own[braked.columns(columns)] = True
-        ids, moved_by = motions.ids, motions.moved_by
-        in_a: Flags = np.isin(ids, np.fromiter(question.set_a, np.int64))
-        in_b: Flags = ~in_a
-        if question.set_b is not None:
-            in_b = np.isin(ids, np.fromiter(question.set_b, np.int64))
-        moved = np.asarray(in_a & moved_by[:, self._own].any(axis=1), dtype=np.bool_)
+        self._about, self._own = about, about.own
         self.never = braked.trouble  # why it can never be answered in this scene; empty: it can
-        if not moved.any() and not self.never:
+        if not about.moving_a.any() and not self.never:
             self.never = (
                 'no geometry of set_a is moved by the joints that brake; it must hold links of '
                 'a robot whose joints are in joint_names'
             )
-        self._moving_a: Flags = moved
-        loose = ~braked_by_any  # columns that nobody brakes
-        self._loose_a: Flags = moved_by[in_a].any(axis=0) & loose
-        can_move = motions.can_move | moved_by[:, loose & ~self._loose_a].any(axis=1)
-        pairs = _considered(motions.pairs, in_a, in_b)
-        relative = motions.relative(pairs)
-        matters: Flags = np.asarray(relative[:, self._own].any(axis=1))
-        self._moves_pairs: Flags = np.asarray(relative[matters].any(axis=0))
-        self._loose_b: Flags = moved_by[np.unique(pairs[matters])].any(axis=0) & loose
-        self._others: Flags = braked_by_any & ~self._own & self._moves_pairs
-        shared: Flags = np.asarray(relative[:, self._others].any(axis=1))
-        self._alone, self._shared = (
-            MovingPairs(motions, pairs[some], relative[some], can_move, question.max_speed)
-            for some in (matters & ~shared, matters & shared)
+        self._moves_pairs = about.moves_pairs
+        self._ids, alone = posed.ids, ~about.shared
+        self._shared, self._alone, self._slow = (
+            MovingPairs(posed, about, which)
+            for which in (about.shared, alone & ~about.slow, alone & about.slow)
         )
-        halves = motions.relative(_considered(motions.half_spaces, in_a, in_b))
-        self._has_half_spaces = bool(halves[:, self._own].any())
-        self._ids, self._in_a, self._in_b = ids, in_a, in_b
-        self._moved_by = moved_by
-        self._speeds: Floats = np.where(can_move, question.max_speed, 0.0)
-        self._travel = BodyTravel(self._alone.queries, columns)
+        self._travel = travel
         self._profiled: tuple[Moment, StopProfile | None] | None = None
 
     def stop(self, moment: Moment, every: Sequence[PreparedQuestion], most: int) -> Stop:
@@ -88,23 +80,53 @@ class PreparedQuestion:
         if trouble := self._trouble(moment, profile):
             return unproved(trouble)
         assert profile is not None
-        moving = self._own & (profile.velocities != 0.0)
+        parts = self._parts(moment, profile, every)
+        if isinstance(parts, str):
+            return unproved(parts)
+        stop = boxed = FREE
+        done = list[_Part]()
+        for part in parts:
+            # Only the shares that all pairs before allow matter any more.
+            limited = part._replace(profile=part.profile.until(stop.scale))
+            if part.along:
+                answer = self._along_path(moment, limited, most)
+            else:
+                answer = self._in_boxes(moment, limited, most)
+                boxed = worse(boxed, answer)
+            stop = worse(stop, answer)
+            done.append(part)
+            if stop.scale == 0.0:
+                break
+        if stop.scale >= 1.0 or profile.fastest < 1.0:
+            return stop
+        if boxed.clear:
+            stop = self._of_now(stop, moment, [part for part in parts if part.along], most)
+        if stop.clear:
+            least = min(stop.least_clearance, boxed.least_clearance)
+            return stop._replace(least_clearance=least)
+        seconds = min(part.profile.seconds_within(stop.scale) for part in done)
+        return stop._replace(contact_time=seconds)
+
+    def _parts(
+        self, moment: Moment, profile: StopProfile, every: Sequence[PreparedQuestion]
+    ) -> list[_Part] | str:
+        """Return the pairs that move, those whose distances take longest last.
+
+        It is a text where nobody knows how they move.
+        """
         along = self.question.braking.category == StopCategory.ALONG_PATH
-        stop = FREE
-        if (asked := self._alone.moved_by(moving)).any():
-            self._alone.be_at(moment)
-            answer = self._along_path if along else self._in_boxes
-            stop = answer(self._alone, moment, profile, asked, most)
+        moving, parts = self._own & (profile.velocities != 0.0), list[_Part]()
         if (asked := self._shared.moved_by(moving)).any():
             others = self._of_others(moment, every)
             if isinstance(others, str):
-                return unproved(others)
-            self._shared.be_at(moment)
-            independent = asked & self._shared.moved_by(others.velocities != 0.0)
-            answer = self._along_path if along and not independent.any() else self._in_boxes
+                return others
+            independent = (asked & self._shared.moved_by(others.velocities != 0.0)).any()
             together = joined(profile, others)
-            stop = worse(stop, answer(self._shared, moment, together, asked, most))
-        return stop
+            parts.append(_Part(self._shared, asked, together, along and not independent))
+        for pairs in (self._alone, self._slow):
+            if (asked := pairs.moved_by(moving)).any():
+                parts.append(_Part(pairs, asked, profile, along))
+        return parts
 
     def reach(self, moment: Moment) -> float:
         """Return the distance [m] from which on nothing beside a body can matter to a stop."""
@@ -113,7 +135,7 @@ class PreparedQuestion:
             return 0.0
         goes = self._travel.of(moment.chain, moment.values, profile, profile.fastest)
         comes = self._comes(moment, profile.duration_at(profile.fastest))
-        moved = self._moved_by[:, self._own].any(axis=1)
+        moved = self._about.moved_by[:, self._own].any(axis=1)
         return float(goes[moved].max() + comes.max() + self.question.margin)
 
     def held_against(self, unmapped: Sequence[Unmapped], stop: Stop, moment: Moment) -> Stop:
@@ -124,8 +146,8 @@ class PreparedQuestion:
         moving = self._own & (profile.velocities != 0.0)
         for each in unmapped:
             body, other = np.searchsorted(self._ids, (each.body, each.other)).tolist()
-            asked = _considered(np.array([(body, other)]), self._in_a, self._in_b)
-            if len(asked) and self._moved_by[body, moving].any():
+            asked = between(np.array([(body, other)]), self._about.in_a, self._about.in_b)
+            if asked.any() and self._about.moved_by[body, moving].any():
                 needed, margin = self._needed(moment, profile, body, other), self.question.margin
                 stop = worse(stop, stop_before(each, needed, margin, profile.fastest))
         return stop
@@ -144,8 +166,9 @@ class PreparedQuestion:
 
     def _comes(self, moment: Moment, seconds: float) -> Floats:
         """Return how far (n,) [m] geometries may come nearer by themselves, in so many seconds."""
-        since = np.where(self._speeds > 0.0, moment.ages, 0.0)
-        return np.asarray(self._speeds * (since + seconds))
+        speeds = self._about.speeds
+        since = np.where(speeds > 0.0, moment.ages, 0.0)
+        return np.asarray(speeds * (since + seconds))
 
     def profile(self, moment: Moment) -> StopProfile | None:
         """Return how the columns of this question brake; None where no one knows how they move."""
@@ -210,7 +233,8 @@ class PreparedQuestion:
             return 'the values of its joints are stale, or of unknown age'
         if (lost := np.isnan(moment.values) & matter).any():
             return f'nothing was heard of {self._some(lost)}'
-        loose = self._loose_a if self.question.max_speed else self._loose_a | self._loose_b
+        about = self._about
+        loose = about.loose_a if self.question.max_speed else about.loose_a | about.loose_b
         if (astray := loose & ~(v == 0.0)).any():
             return (
                 f'{self._some(astray)} move, or nobody knows whether they do, and no stoppable '
@@ -224,10 +248,10 @@ class PreparedQuestion:
                     f'the base of {self._columns.robots[k].name!r} moves, or nobody knows whether '
                     'it does, and it does not brake; name x, y and theta in joint_names'
                 )
-        if self._has_half_spaces:
+        if about.has_half_spaces:
             return 'set_a moves a half space against another one, of which nothing can be proved'
         if moment.unplaced.any() and any(
-            moment.unplaced[pairs.used].any() for pairs in (self._alone, self._shared)
+            moment.unplaced[pairs.used].any() for pairs in (self._shared, self._alone, self._slow)
         ):
             return 'a body of the rule never had a pose'
         return ''
@@ -247,49 +271,64 @@ class PreparedQuestion:
 
     def _of_others(self, moment: Moment, every: Sequence[PreparedQuestion]) -> StopProfile | str:
         """Return how other questions' columns brake that matter here, or why nobody knows."""
-        profiles = [each.profile(moment) for each in every if (each._own & self._others).any()]
+        profiles = [
+            each.profile(moment) for each in every if (each._own & self._about.others).any()
+        ]
         known = [profile for profile in profiles if profile is not None]
         if len(known) < len(profiles):
             return 'nobody knows how fast the other robots move that brake by rules of their own'
         together = known[0]
         for profile in known[1:]:
             together = joined(together, profile)
-        return together._replace(velocities=np.where(self._others, together.velocities, 0.0))
+        return together._replace(velocities=np.where(self._about.others, together.velocities, 0.0))
 
-    def _along_path(
-        self, pairs: MovingPairs, moment: Moment, profile: StopProfile, asked: Flags, most: int
-    ) -> Stop:
-        """Return the answer about pairs (k,) whose columns brake along their path."""
-        margin, way = self.question.margin, path_over_shares(moment.values, profile)
-        answer = pairs.follow(way, asked, margin, most)
-        stop = pairs.stop(way, answer, asked, most)
-        if stop.clear or profile.fastest < 1.0:
-            return stop
-        # Pairs that boxes prove for all stops are proved for this one.
-        way, asked = path_over_time(moment.values, profile), asked & pairs.queries.examined()
-        answer = pairs.follow(way, asked, margin, most)
-        if answer.outcome != 'clear':
-            return stop._replace(contact_time=way.at(answer.times[0]))
-        return stop._replace(clear=True, least_clearance=answer.lower_bound, contact_time=math.inf)
+    def _along_path(self, moment: Moment, part: _Part, most: int) -> Stop:
+        """Return the answer about pairs whose columns brake along their path."""
+        margin, way = self.question.margin, path_over_shares(moment.values, part.profile)
+        judged = part.pairs.follow(moment, way, part.asked, margin, most)
+        return part.pairs.stop(way, judged, part.asked, most)
 
-    def _in_boxes(
-        self, pairs: MovingPairs, moment: Moment, profile: StopProfile, asked: Flags, most: int
-    ) -> Stop:
-        """Return the answer about pairs (k,) whose columns stop each by itself.
+    def _in_boxes(self, moment: Moment, part: _Part, most: int) -> Stop:
+        """Return the answer about pairs whose columns stop each by itself.
 
         An edge that is not proved is looked at again in parts, whose boxes are smaller.
         """
-        margin, way = self.question.margin, boxes_over_shares(moment.values, profile)
-        answer = pairs.follow(way, asked, margin, most)
-        stop = pairs.stop(way, answer, asked, most)
-        if answer.outcome == 'clear':
+        asked, profile, margin = part.asked, part.profile, self.question.margin
+        way = boxes_over_shares(moment.values, profile)
+        judged = part.pairs.follow(moment, way, asked, margin, most)
+        stop = part.pairs.stop(way, judged, asked, most)
+        if judged.answer.outcome == 'clear':
             return stop
-        finer = boxes_over_shares(moment.values, profile, way.edge(answer.times[0]), _FINER)
-        again = pairs.follow(finer, asked, margin, most)
-        second = pairs.stop(finer, again, asked, most)
+        first = way.edge(judged.answer.times[0])
+        finer = boxes_over_shares(moment.values, profile, first, _FINER)
+        again = part.pairs.follow(moment, finer, asked, margin, most)
+        second = part.pairs.stop(finer, again, asked, most)
         if second.scale <= stop.scale:
             return stop
         return second._replace(clear=False, least_clearance=-math.inf, contact_time=0.0)
+
+    def _of_now(self, stop: Stop, moment: Moment, parts: Sequence[_Part], most: int) -> Stop:
+        """Return an answer with what the stop from the present speed is, along its path.
+
+        It passes each point sooner than slower stops do, so what approaches may not be there yet.
+        """
+        margin, least, evaluations = self.question.margin, math.inf, stop.evaluations
+        # It ends where those of all shares do. Mostly the pair that is too near on the way is so
+        # there, too.
+        q = moment.values
+        ends = ((part, end_of_stops(q, part.profile), part.pairs.of(stop)) for part in parts)
+        ways = ((part, path_over_time(q, part.profile), part.asked) for part in parts)
+        for part, way, asked in chain(ends, ways):
+            if not asked.any():
+                continue
+            answer = part.pairs.follow(moment, way, asked, margin, most).answer
+            evaluations += answer.evaluations
+            if answer.outcome != 'clear':
+                return stop._replace(evaluations=evaluations)
+            least = min(least, answer.lower_bound)
+        return stop._replace(
+            clear=True, evaluations=evaluations, least_clearance=least, contact_time=math.inf
+        )
 
     def measured(self, stop: Stop, moment: Moment) -> Stop:
         """Return an answer with the times, ways and speeds of its stop."""
@@ -298,14 +337,14 @@ class PreparedQuestion:
             return stop
         speeds = np.abs(profile.velocities)
         age = float(profile.ages.max(initial=0.0))
-        oldest = max(float(moment.ages[self._alone.used].max(initial=0.0)), age)
+        used = np.concatenate((self._alone.used, self._slow.used))
+        oldest = max(float(moment.ages[used].max(initial=0.0)), age)
         reaction = self.question.braking.reaction_time + moment.delay + age
         stop = stop._replace(reaction_time=reaction, oldest_pose_age=oldest)
         if not speeds.any():
             return stop
-        chain, values, moving = moment.chain, moment.values, self._moving_a
-        goes = self._travel.of(chain, values, profile, profile.fastest)
-        runs = self._travel.speeds(chain, values, profile, stop.scale)
+        chain, values, moving = moment.chain, moment.values, self._about.moving_a
+        goes, runs = self._travel.and_speeds(chain, values, profile, stop.scale)
         turns = (stop.scale * speeds * _turns(chain, speeds.size)).max(initial=0.0)
         stop = stop._replace(
             stopping_time=profile.duration_at(profile.fastest),
@@ -325,12 +364,6 @@ class PreparedQuestion:
             or 'it is faster than stopping_times say, and nothing is known beyond; measure it at '
             'higher speeds',
         )
-
-
-def _considered(pairs: Indices, in_a: Flags, in_b: Flags) -> Indices:
-    """Return those of pairs (k, 2) that have one body in each of two sets."""
-    a, b = pairs[:, 0], pairs[:, 1]
-    return pairs[(in_a[a] & in_b[b]) | (in_b[a] & in_a[b])]
 
 
 def _turns(chain: JointChain, count: int) -> Floats:

@@ -14,7 +14,6 @@ its value now and ``v_j p_j(s)``. That box is held by its middle and half its si
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -45,22 +44,52 @@ class StopProfile(NamedTuple):
         """The largest share that is known."""
         return float(self.shares[-1])
 
-    def times_at(self, share: float) -> Floats:
-        """Return the times (c,) to brake from a share."""
-        shares = self.shares
-        k = min(int(np.searchsorted(shares, share, 'right')), len(shares) - 1) - 1
-        part = (share - shares[k]) / (shares[k + 1] - shares[k])
+    def times_at(self, share: float | Floats) -> Floats:
+        """Return the times (c,) to brake from a share, or (s, c) from shares (s,)."""
+        shares, k = self.shares, np.int64(0)
+        if len(shares) > 2:
+            k = np.minimum(np.searchsorted(shares, share, 'right'), len(shares) - 1) - 1
+        part = np.asarray((share - shares[k]) / (shares[k + 1] - shares[k]))[..., np.newaxis]
         return np.asarray(self.times[k] + part * (self.times[k + 1] - self.times[k]))
 
     def duration_at(self, share: float) -> float:
         """Return the time [s] from now until all columns stand."""
+        return float(self.durations(self.times_at(share)))
+
+    def durations(self, times: Floats) -> Floats:
+        """Return the time (...,) [s] from now until all columns stand that brake for (..., c)."""
         moves = self.velocities != 0.0
-        return float((self.reactions + self.times_at(share))[moves].max(initial=0.0))
+        return np.asarray((self.reactions + times)[..., moves].max(axis=-1, initial=0.0))
 
     def travel(self, share: float = 1.0) -> Floats:
         """Return how far (c,) [rad] or [m] columns go from their values, with their sign."""
         on = self.reactions + 0.5 * self.times_at(share)
         return np.asarray(self.velocities * (self.ages + share * on))
+
+    def until(self, share: float) -> StopProfile:
+        """Return the profile of the stops from shares up to one, and some beyond it.
+
+        It ends at a power of 1/2, so that bisections examine the same shares wherever it ends.
+        """
+        part, exponent = math.frexp(share)
+        last = math.ldexp(1.0, exponent - (part == 0.5))
+        if last >= self.fastest:
+            return self
+        known = self.shares < last
+        times = np.vstack((self.times[known], self.times_at(last)))
+        return self._replace(shares=np.append(self.shares[known], last), times=times)
+
+    def seconds_within(self, share: float) -> float:
+        """Return for how long [s] from now on the stop of now is where those up to a share go.
+
+        It is faster than these, so whatever approaches meanwhile has no more time for it.
+        """
+        moves = self.velocities != 0.0
+        r, T = self.reactions[moves], self.times_at(1.0)[moves]
+        way = share * (r + 0.5 * self.times_at(share)[moves])  # [s] at the present speed
+        left = 1.0 - 2.0 * np.divide(way - r, T, out=np.zeros_like(way), where=way > r)
+        seconds = np.where(way > r, r + T * (1.0 - np.sqrt(left.clip(0.0))), way)
+        return float(seconds.min(initial=math.inf))
 
 
 class StopPath(NamedTuple):
@@ -85,17 +114,12 @@ class StopPath(NamedTuple):
 
 def path_over_shares(values: Floats, profile: StopProfile) -> StopPath:
     """Return the path of all stops along the path from ``values`` (c,), over the share."""
-    shares, edges = profile.shares, []
-    times = [profile.duration_at(share) for share in shares.tolist()]
-    start = values + profile.velocities * profile.ages
+    shares, times = profile.shares, profile.durations(profile.times)
+    begun = profile.velocities * profile.ages
+    edges = _edges_of(values + begun, profile, shares, profile.times)
     if profile.ages.any():  # of the past, by now: those who approach have the reaction time
-        none = np.zeros_like(values)
-        edges.append(_Edge(values, start - values, none, profile.radii))
-        shares, times = np.append(0.0, shares), [times[0], *times]
-    for k in range(len(profile.shares) - 1):
-        (s0, s1), (T0, T1) = profile.shares[k : k + 2].tolist(), profile.times[k : k + 2]
-        edge = _edge_of(start, profile, (s0, s1), (T0, T1))
-        edges.append(edge._replace(radius=profile.radii))
+        edges = _Edges.one(values, begun, 0.0 * begun, profile.radii).then(edges)
+        shares, times = np.append(0.0, shares), np.append(times[0], times)
     return StopPath(_path(edges, times), shares)
 
 
@@ -111,17 +135,18 @@ def boxes_over_shares(
     """
     first, last = span or (0.0, profile.fastest)
     inside = (profile.shares > first) & (profile.shares < last)
-    even = np.linspace(first, last, parts + 1)
-    shares = np.unique(np.concatenate((profile.shares[inside], even)))
-    times = [profile.duration_at(share) for share in shares.tolist()]
-    begun = profile.velocities * profile.ages
-    edges = []
-    for s0, s1 in zip(shares[:-1].tolist(), shares[1:].tolist(), strict=True):
-        T0, T1 = profile.times_at(s0), profile.times_at(s1)
-        edge = _edge_of(begun, profile, (s0, s1), (T0, T1))
-        radius = 0.5 * np.abs(edge.end()) + profile.radii
-        edges.append(_Edge(values + 0.5 * edge.start, 0.5 * edge.first, 0.5 * edge.second, radius))
-    return StopPath(_path(edges, times), shares)
+    shares: Floats = first + (last - first) * np.arange(parts + 1.0) / parts
+    if inside.any():
+        shares = np.unique(np.concatenate((profile.shares[inside], shares)))
+    times = profile.times_at(shares)
+    edges = _edges_of(profile.velocities * profile.ages, profile, shares, times)
+    boxes = _Edges(
+        values + 0.5 * edges.start,
+        0.5 * edges.first,
+        0.5 * edges.second,
+        0.5 * np.abs(edges.end()) + profile.radii,
+    )
+    return StopPath(_path(boxes, profile.durations(times)), shares)
 
 
 def path_over_time(values: Floats, profile: StopProfile) -> StopPath:
@@ -132,18 +157,25 @@ def path_over_time(values: Floats, profile: StopProfile) -> StopPath:
     moves = profile.velocities != 0.0
     reaction = float(profile.reactions[moves].max(initial=0.0))
     braking = profile.duration_at(1.0) - reaction
-    none, v, radii = np.zeros_like(values), profile.velocities, profile.radii
-    now = values + v * profile.ages
-    edges, times = [], [0.0]
-    if profile.ages.any():
-        edges.append(_Edge(values, now - values, none, radii))
-        times.append(0.0)
+    v, radii = profile.velocities, profile.radii
+    now, none = values + v * profile.ages, np.zeros_like(values)
+    edges = _Edges.one(now + v * reaction, v * braking, -0.5 * v * braking, radii)
+    times = [reaction, reaction + braking]
     if reaction > 0.0:
-        edges.append(_Edge(now, v * reaction, none, radii))
-        times.append(reaction)
-    edges.append(_Edge(now + v * reaction, v * braking, -0.5 * v * braking, radii))
-    times.append(reaction + braking)
-    return StopPath(_path(edges, times), np.array(times))
+        edges = _Edges.one(now, v * reaction, none, radii).then(edges)
+        times.insert(0, 0.0)
+    if profile.ages.any():
+        edges = _Edges.one(values, now - values, none, radii).then(edges)
+        times.insert(0, 0.0)
+    return StopPath(_path(edges, np.array(times)), np.array(times))
+
+
+def end_of_stops(values: Floats, profile: StopProfile) -> StopPath:
+    """Return the path that rests where the stop from the whole present speed ends, by then."""
+    row = values + profile.travel(1.0)
+    times = np.full(2, profile.duration_at(1.0))
+    path = JointPath.straight(np.stack((row, row)))
+    return StopPath(path._replace(times=times), times)
 
 
 def unit_path(sizes: Floats) -> JointPath:
@@ -161,66 +193,62 @@ def unit_path(sizes: Floats) -> JointPath:
 def joined(profile: StopProfile, other: StopProfile) -> StopProfile:
     """Return the profile of the columns that move in one of two profiles, each by its own."""
     is_other = other.velocities != 0.0
-    shares = np.unique(np.concatenate((profile.shares, other.shares)))
-    shares = shares[shares <= min(profile.fastest, other.fastest)]
-    times = [
-        np.where(is_other, other.times_at(share), profile.times_at(share))
-        for share in shares.tolist()
-    ]
+    shares = profile.shares
+    if not np.array_equal(shares, other.shares):
+        shares = np.unique(np.concatenate((shares, other.shares)))
+        shares = shares[shares <= min(profile.fastest, other.fastest)]
+    times = np.where(is_other, other.times_at(shares), profile.times_at(shares))
     each = zip(other[:3], profile[:3], strict=True)
     velocities, ages, reactions = (np.where(is_other, theirs, own) for theirs, own in each)
     radii = np.where(is_other, other.radii, profile.radii)
-    return StopProfile(velocities, ages, reactions, shares, np.array(times), radii)
+    return StopProfile(velocities, ages, reactions, shares, times, radii)
 
 
-def standing(count: int) -> StopProfile:
-    """Return the profile of columns none of which moves."""
-    none = np.zeros(count)
-    return StopProfile(none, none, none, np.array([0.0, 1.0]), np.zeros((2, count)), none)
-
-
-class _Edge(NamedTuple):
-    """Values ``start + s first + s^2 second`` (c,) for s from 0 to 1, within a radius."""
+class _Edges(NamedTuple):
+    """Values ``start + s first + s^2 second`` (e, c) for s from 0 to 1, within a radius."""
 
     start: Floats
     first: Floats
     second: Floats
-    radius: Floats | float = 0.0  # (c,)
+    radius: Floats
+
+    @classmethod
+    def one(cls, start: Floats, first: Floats, second: Floats, radius: Floats) -> _Edges:
+        """Return a single edge of values (c,)."""
+        return cls(start[None], first[None], second[None], radius[None])
+
+    def then(self, others: _Edges) -> _Edges:
+        """Return these edges and others behind them."""
+        return _Edges(*(np.concatenate(both) for both in zip(self, others, strict=True)))
 
     def end(self) -> Floats:
         return np.asarray(self.start + self.first + self.second)
 
 
-def _edge_of(
-    start: Floats,
-    profile: StopProfile,
-    shares: tuple[float, float],
-    times: tuple[Floats, Floats],
-) -> _Edge:
-    """Return the edge ``start + v p(s)`` between two shares, where times are linear."""
-    v, (s0, s1), (T0, T1) = profile.velocities, shares, times
-    width, longer = s1 - s0, T1 - T0
-    on = profile.reactions + 0.5 * T0
-    return _Edge(
+def _edges_of(start: Floats, profile: StopProfile, shares: Floats, times: Floats) -> _Edges:
+    """Return the edges ``start + v p(s)`` between shares (s,), where times (s, c) are linear."""
+    v, s0 = profile.velocities, shares[:-1, None]
+    width, longer = shares[1:, None] - s0, times[1:] - times[:-1]
+    on = profile.reactions + 0.5 * times[:-1]
+    return _Edges(
         start + v * (s0 * on),
         v * (width * on + 0.5 * s0 * longer),
         v * (0.5 * width * longer),
+        0.0 * longer + profile.radii,
     )
 
 
-def _path(edges: Sequence[_Edge], times: Sequence[float]) -> JointPath:
+def _path(edges: _Edges, times: Floats) -> JointPath:
     """Return the path along edges, with the bounds of each one's derivatives and values."""
-    rows = np.array([*(edge.start for edge in edges), edges[-1].end()])
-    curves = np.zeros((len(edges), 9, rows.shape[1]))
-    for k, edge in enumerate(edges):
-        first, second, radius = edge.first, edge.second, edge.radius
-        size = np.maximum(np.abs(edge.start), np.abs(edge.start + first + second))
-        # No value turns back on its way, so that its ends bound it.
-        magnitude = np.abs(edge.start) + np.abs(first) + np.abs(second)
-        curves[k, 0], curves[k, 1] = first, second
-        curves[k, 5] = np.maximum(np.abs(first), np.abs(first + 2.0 * second))
-        curves[k, 6] = 2.0 * np.abs(second)
-        curves[k, 7] = size + radius
-        # A box around the path counts as rounding does: its values may be that far off.
-        curves[k, 8] = radius + SPLINE_ROUNDING * (magnitude + radius)
-    return JointPath(rows, curves, np.array(times, dtype=np.float64))
+    start, first, second, radius = edges
+    speed, bend = np.abs(first), np.abs(second)
+    curves = np.zeros((len(start), 9, start.shape[1]))
+    curves[:, 0], curves[:, 1] = first, second
+    curves[:, 5] = np.maximum(speed, np.abs(first + 2.0 * second))
+    curves[:, 6] = 2.0 * bend
+    # No value turns back on its way, so that its ends bound it.
+    size, end = np.abs(start), edges.end()
+    curves[:, 7] = np.maximum(size, np.abs(end)) + radius
+    # A box around the path counts as rounding does: its values may be that far off.
+    curves[:, 8] = radius + SPLINE_ROUNDING * (size + speed + bend + radius)
+    return JointPath(np.concatenate((start, end[-1:])), curves, times)

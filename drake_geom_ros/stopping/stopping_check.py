@@ -18,10 +18,12 @@ from drake_geom_ros.geometry.queries.joint_motions import JointMotions
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.math.array_types import Indices
 from drake_geom_ros.stopping.braking import BrakingError
-from drake_geom_ros.stopping.moving_pairs import Moment
+from drake_geom_ros.stopping.moving_pairs import Moment, PosedPairs
 from drake_geom_ros.stopping.prepared_question import PreparedQuestion
+from drake_geom_ros.stopping.question_pairs import QuestionPairs
 from drake_geom_ros.stopping.robots import BrakedJoints, Columns, Robot, RobotState, braked_joints
 from drake_geom_ros.stopping.stop import Stop, StoppingQuestion
+from drake_geom_ros.stopping.travel import BodyTravel
 from drake_geom_ros.stopping.unmapped import FindUnmapped
 
 EVALUATIONS = 400  # pairs that kernels answer at most for one path, by default
@@ -87,7 +89,10 @@ class StoppingCheck:
         called once, with the distance [m] from which on nothing can matter.
         """
         if not self._motions.is_of_now(self._context):
-            self._prepare()
+            if self._posed.take_shapes():
+                self._travel.forget()
+            else:
+                self._prepare()
         columns = self._columns
         moment = Moment(
             columns.positions(states),
@@ -119,12 +124,19 @@ class StoppingCheck:
         ids = self._columns.frame_ids()
         resting = [frame for frame in self._resting if frame not in ids]
         self._motions = JointMotions(self._context, chain, ids, count, self._accuracy, resting)
-        by_any = np.zeros(count, dtype=np.bool_)
-        for each in braked:
-            by_any[each.columns(self._columns)] = True
+        own = np.zeros((len(braked), count), dtype=np.bool_)
+        for row, each in zip(own, braked, strict=True):
+            row[each.columns(self._columns)] = True
+        about = [
+            QuestionPairs.of(question, row, own.any(axis=0), self._motions)
+            for question, row in zip(self._questions, own, strict=True)
+        ]
+        rows = np.unique(np.concatenate([np.zeros(0, np.int64), *(each.rows for each in about)]))
+        posed = self._posed = PosedPairs(self._motions, rows)
+        travel = self._travel = BodyTravel(posed)
         self._prepared = [
-            PreparedQuestion(question, each, self._columns, self._motions, by_any)
-            for question, each in zip(self._questions, braked, strict=True)
+            PreparedQuestion(question, joints, self._columns, its_pairs, posed, travel)
+            for question, joints, its_pairs in zip(self._questions, braked, about, strict=True)
         ]
         self._standing: tuple[bytes, JointChain] | None = None
         for prepared in self._prepared:

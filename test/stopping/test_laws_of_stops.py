@@ -9,7 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    Box,
+    Capsule,
+    FrameId,
+    FramePoseVector,
+    OccupiedCells,
+    Sphere,
+)
 from drake_geom_ros.stopping import (
     RESOLUTION,
     Braking,
@@ -163,7 +171,8 @@ def test_the_other_arm_must_brake_or_have_a_speed(cell):
 
 
 def test_beyond_the_stopping_times_nothing_is_proved():
-    it = StoppingCell(Braking(stopping_times=((0.5, 0.1), (1.0, 0.3)), reaction_time=0.05))
+    braking = Braking(stopping_times=((0.5, 0.1), (1.0, 0.3)), reaction_time=0.05)
+    it = StoppingCell(braking, max_speed=0.0)
     moment = it.moment(np.random.default_rng(6))
     far = np.array([[9.0, 9, 0.5, 0, 0, 0, 1]] * 2)
     q, v = np.zeros_like(moment.positions), np.zeros_like(moment.velocities)
@@ -204,6 +213,64 @@ def test_a_change_of_the_scene_is_noticed(cell):
     after = it.check.stops(states)
     assert after[0].scale == 0.0
     assert len(before) == len(after) == 2
+
+
+def equal(stop, other):
+    """Return whether two answers have the same bits."""
+    return all(
+        np.array_equal(a, b, equal_nan=True) if isinstance(a, (float, np.ndarray)) else a == b
+        for a, b in zip(stop, other, strict=True)
+    )
+
+
+@pytest.mark.parametrize('category', [0, 1])
+def test_an_answer_does_not_depend_on_what_was_asked_before(category):
+    it, rng = StoppingCell(replace(BRAKING, category=category)), np.random.default_rng(10)
+    used = it.checked()
+    for _ in range(25):
+        it.stops(it.moment(rng), used)
+    for _ in range(25):
+        moment = it.moment(rng)
+        before, first = it.stops(moment, used), it.stops(moment, it.checked())
+        assert all(equal(a, b) for a, b in zip(before, first, strict=True))
+
+
+@pytest.mark.parametrize('category', [0, 1])
+def test_a_rule_that_stands_alone_gets_the_answer_that_it_gets_among_others(category):
+    it, rng = StoppingCell(replace(BRAKING, category=category)), np.random.default_rng(11)
+    args = it.braking, it.own['left'], it.own['person'], it.margin, it.max_speed
+    alone = StoppingCheck(it.context, it.robots, [StoppingQuestion(*args)])
+    other = StoppingQuestion(it.braking, it.own['right'], None, it.margin, it.max_speed)
+    both = StoppingCheck(it.context, it.robots, [other, StoppingQuestion(*args)])
+    for _ in range(40):
+        moment = it.moment(rng)
+        assert equal(it.stops(moment, alone)[0], it.stops(moment, both)[1])
+
+
+def test_after_a_change_of_shapes_answers_are_those_of_a_scene_packed_anew():
+    it, rng = StoppingCell(BRAKING), np.random.default_rng(12)
+    it.stops(it.moment(rng))
+    preparations = []
+    used = it.check
+    prepare = used._prepare
+    used._prepare = lambda: preparations.append(prepare())
+    hand = next(id for id, key in it.names.items() if key[:2] == ('left', 'hand'))
+    for turn in range(12):
+        places = rng.uniform([-0.6, -0.4, 0.2], [0.6, 0.4, 1.0], (30, 3))
+        it.change_shape(it.map, OccupiedCells(0.05, places))
+        if turn % 3 == 0:
+            it.change_shape(it.ids['person', 'arm', 'limb'], Capsule(*rng.uniform(0.02, 0.4, 2)))
+        if turn % 4 == 0:
+            it.change_shape(hand, Sphere(rng.uniform(0.02, 0.2)))
+        moment = it.moment(rng)
+        swapped, anew = it.stops(moment, used), it.stops(moment, it.checked())
+        assert all(equal(a, b) for a, b in zip(swapped, anew, strict=True))
+    assert not preparations
+    it.change_shape(hand, Box(0.1, 0.1, 0.1))  # another type, so other kernels
+    moment = it.moment(rng)
+    swapped, anew = it.stops(moment, used), it.stops(moment, it.checked())
+    assert all(equal(a, b) for a, b in zip(swapped, anew, strict=True))
+    assert len(preparations) == 1
 
 
 @pytest.mark.parametrize(

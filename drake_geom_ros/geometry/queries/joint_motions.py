@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD
+from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD, SOLID
 from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry.queries.state_queries import accuracy_in
 from drake_geom_ros.math.array_types import Floats, Indices
 
 Flags = NDArray[np.bool_]
+_MAPS = (OCCUPIED_CELLS, POINT_CLOUD)
 
 
 class JointMotions:
@@ -28,6 +29,7 @@ class JointMotions:
     ``moved_by`` (n, c) flags the columns of joint values that move a geometry in the world, and
     ``can_move`` (n,) the geometries that something else may move, too: sensed maps, and whatever
     hangs on a frame that is not a link, nor welded to the world, nor one of those at rest.
+    ``is_slow`` (n,) flags those whose distances take longest: sensed maps and solids.
     """
 
     def __init__(
@@ -46,6 +48,7 @@ class JointMotions:
         self._context = context
         self._accuracy = accuracy_in(context, accuracy)
         self._mark = _mark(context)
+        self._frame_ids = state_of(context).up_to_date_world().frames.ids
         self._chain, self._columns = chain, columns
         self._leads_several = _leads_several(chain, columns)
         self._scene, self.ids = PackedScene.of(
@@ -55,10 +58,28 @@ class JointMotions:
         of_frames = _columns_of_frames(self._scene, chain, columns)
         self.moved_by: Flags = of_frames[self._scene.frames]
         self.can_move: Flags = self._movable(frame_ids, resting)
+        self.is_slow: Flags = np.isin(self._scene.types, (*_MAPS, SOLID))
 
     def is_of_now(self, context: SceneGraphContext) -> bool:
         """Return whether the scene of a context is still the same, but for poses."""
         return self._mark == _mark(context)
+
+    def take_shapes(self, queries: MotionQueries) -> bool:
+        """Take the shapes of now if nothing else changed, as when sensors change their maps.
+
+        ``queries`` of this scene take them, too. Return False if more changed.
+        """
+        mark, state = _mark(self._context), state_of(self._context)
+        world, padded = state.up_to_date_world(), state.paddings() is not None
+        is_same = mark[1:] == self._mark[1:] and not (padded or self._scene.paddings.any())
+        is_same &= np.array_equal(world.geometries.ids, self.ids)
+        is_same &= np.array_equal(world.frames.ids, self._frame_ids)
+        if not (is_same and queries.take_shapes_of(world)):
+            return False
+        table = world.geometries
+        self._scene = replace(self._scene, starts=table.starts, pool=table.pool)
+        self._mark = mark
+        return True
 
     def relative(self, pairs: Indices) -> Flags:
         """Return which columns (k, c) move the bodies of pairs (k, 2) relative to each other.
@@ -99,7 +120,7 @@ class JointMotions:
             if frame:  # what hangs on a link moves with that alone
                 stays[frame] = stays[parent] and (held[frame] or carried[parent])
                 carried[frame] = driven[frame] or carried[parent]
-        is_map = np.isin(self._scene.types, (OCCUPIED_CELLS, POINT_CLOUD))
+        is_map = np.isin(self._scene.types, _MAPS)
         return ~stays[self._scene.frames] | is_map
 
 

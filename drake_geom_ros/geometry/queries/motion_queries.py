@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, Join
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, MotionOutcome
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.queries.accuracy import AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
@@ -157,6 +158,13 @@ class MotionQueries:
         self._loops.stand(R_PFs, p_PFs)
         if self._half_spaces is not None:
             self._half_spaces.stand(R_PFs, p_PFs)
+
+    def take_shapes_of(self, world: World) -> bool:
+        """Take the shapes of a world that differs by these alone, and poses; else return False."""
+        if not self._world.has_other_shapes_only(world):
+            return False
+        self._loops.take_shapes(world)
+        return True
 
     def drive_by(self, chain: JointChain) -> None:
         """Take the numbers of a chain with the same links and columns as the one at first."""

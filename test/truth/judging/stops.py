@@ -1,4 +1,4 @@
-"""A cell of two arms, a base and a person, and the judge of what is said about their stops."""
+"""A cell of two arms, a base, a person and a sensed map, and the judge of answers about stops."""
 
 from __future__ import annotations
 
@@ -8,7 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.batch import Joints, evaluate
-from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, SceneGraph
+from drake_geom_ros.geometry import (
+    FrameId,
+    FramePoseVector,
+    GeometryId,
+    GeometryInstance,
+    OccupiedCells,
+    ProximityProperties,
+    SceneGraph,
+)
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.scene_files import load_scene
 from drake_geom_ros.stopping import Braking, RobotState, StoppingCheck, StoppingQuestion, robots_of
@@ -61,15 +70,39 @@ class StoppingCell:
         self.loaded = load_scene(_CELL.format(arm=ARM), self.graph)
         self.joints = Joints.of(self.loaded)
         self.robots = robots_of(self.joints)
+        self.map = self._sensed().get_value()
         self.context = self.graph.CreateDefaultContext()
         self.braking, self.margin, self.max_speed = braking, margin, max_speed
         self.with_base = with_base
         self.ids = {key: id.get_value() for key, id in self.loaded.geometries.items()}
         self.own = {name: self._of(name) for name in ('left', 'right', 'person')}
         self.names = {id: key for key, id in self.ids.items()}
+        self.names[self.map] = ('sensed', 'world', 'cells')
         self.base = self.loaded.frames['right', 'base'].get_value()
         self.people = [self.loaded.frames['person', name].get_value() for name in ('trunk', 'arm')]
         self.check = self.checked()
+
+    def _sensed(self):
+        """Register a map that a sensor sees: a corner of two walls, behind the left arm."""
+        row = 0.05 * np.arange(8)
+        across = [[-0.55, y - 0.2, z + 0.3] for y in row for z in row]
+        along = [[x - 0.55, -0.35, z + 0.3] for x in row for z in row]
+        instance = GeometryInstance(
+            RigidTransform(), OccupiedCells(0.05, np.array(across + along)), 'cells'
+        )
+        instance.set_proximity_properties(ProximityProperties())
+        world = self.graph.model_inspector().world_frame_id()
+        return self.graph.RegisterGeometry(self.graph.RegisterSource('sensed'), world, instance)
+
+    def change_shape(self, id, shape):
+        """Change the shape of a geometry by its id value, in the context."""
+        inspector, it = self.graph.model_inspector(), GeometryId(id)
+        owner = next(
+            source
+            for source in inspector.GetAllSourceIds()
+            if inspector.BelongsToSource(it, source)
+        )
+        self.graph.ChangeShape(owner, it, shape, context=self.context)
 
     def _of(self, source):
         return [id for key, id in self.ids.items() if key[0] == source]
@@ -136,9 +169,9 @@ class StoppingCell:
         """Return the least clearance [m] of an arm's pairs in states of the cell.
 
         ``went`` (n, c + 1) [s] is for how long each joint, and the base, has gone on at its
-        present speed, ``seconds`` (n,) how long the person walked. From distances the margin and
-        the way of the person are taken off. ``asked`` is 'no other arm', 'the other arm', or None
-        for both.
+        present speed, ``seconds`` (n,) how long the person walked, and what is in the map. From
+        distances the margin and their way are taken off. ``asked`` is 'no other arm', 'the other
+        arm', or None for both.
         """
         limit = self.margin + self.max_speed * float(seconds.max()) + 0.01
         poses = self._poses(moment, went)
@@ -148,7 +181,8 @@ class StoppingCell:
             self.graph, [FrameId(int(f)) for f in frames], poses[:, places], 'within', limit
         )
         rows = np.repeat(np.arange(len(poses)), np.diff(found.offsets))
-        own, person = self.own[('left', 'right')[number]], self.own['person']
+        own = self.own[('left', 'right')[number]]
+        walking = [*self.own['person'], self.map]  # what is in a map may walk, too
         a, b = np.asarray(found.id_A), np.asarray(found.id_B)
         is_own = np.isin(a, own) != np.isin(b, own)
         moving = self._moving(moment, number)
@@ -156,7 +190,7 @@ class StoppingCell:
         other = self.own[('right', 'left')[number]]
         between_arms = np.isin(a, other) | np.isin(b, other)
         is_own &= {None: True, 'no other arm': ~between_arms, 'the other arm': between_arms}[asked]
-        walks = np.isin(a, person) | np.isin(b, person)
+        walks = np.isin(a, walking) | np.isin(b, walking)
         closed = np.where(walks, self.max_speed * seconds[rows], 0.0)
         left = np.asarray(found.distance) - self.margin - closed
         return float(left[is_own].min(initial=np.inf))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, OCCUPIED_CELLS
 from drake_geom_ros.geometry._proximity.motion.arrays import (
     AT_BEGIN,
     AT_END,
@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     CONTACT,
     EDGE_BEGIN,
     EDGE_SPAN,
+    EVALUATIONS,
     IGNORED,
     IGNORES,
     LEAST,
@@ -27,6 +28,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     NO_ROOM,
     OF_PAIR,
     PAIR,
+    QUICK,
     SAG,
     SLACK,
     T0,
@@ -46,6 +48,7 @@ from drake_geom_ros.geometry._proximity.motion.rates import (
     rounding_of_body,
 )
 from drake_geom_ros.geometry._proximity.motion.records import (
+    answer_pair,
     by_plane,
     by_way,
     count_seen,
@@ -67,17 +70,31 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_o
 
 @inlined
 def _is_far(motion: MotionArrays, m: int, A: Rates, B: Rates, slack: float) -> bool:
-    """Return whether the boxes of two groups prove all their pairs clear for the whole motion."""
+    """Return whether the boxes of two groups prove all their pairs clear for the whole motion.
+
+    They are those in the middle of the motion for a ``QUICK`` check, otherwise at its start.
+    """
     a, b = motion.group_pairs[m, 0], motion.group_pairs[m, 1]
     r_a, r_b = motion.group_reaches[a], motion.group_reaches[b]
     way = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
     end = motion.parameters[EDGE_BEGIN] + motion.parameters[EDGE_SPAN]
     closed = motion.parameters[MOST_APPROACHED] + motion.parameters[MOST_APPROACH] * end
+    if motion.flags[QUICK]:
+        way *= 0.5
     way += closed * ROUNDED_UP
     least = motion.separations[m] - way - slack - motion.parameters[MOST_PADDING]
     if not least > motion.parameters[MIN_DISTANCE]:
         return False
     motion.outcome[LOWER_BOUND] = min(motion.outcome[LOWER_BOUND], least)
+    return True
+
+
+@inlined
+def _is_skipped(motion: MotionArrays, m: int) -> bool:
+    """Return whether all pairs of two groups are left out."""
+    for number in range(motion.starts_of_pairs[m], motion.starts_of_pairs[m + 1]):
+        if not motion.skipped[motion.numbers[number]]:
+            return False
     return True
 
 
@@ -142,13 +159,34 @@ def _at_start(motion: MotionArrays, k: int, r: int) -> int:
 
 
 @inlined
+def _is_clear_of_map(handle: Handle, k: int, reach: float) -> bool:
+    """Return whether a pair with a map is farther apart than a reach [m] in the current state.
+
+    Around a body in the midst of a map no box or plane proves anything.
+    """
+    motion = motions_of(handle)
+    types, a, b = world_of(motion.world).types, motion.pairs[k, 0], motion.pairs[k, 1]
+    if max(types[a], types[b]) < OCCUPIED_CELLS:  # maps have the last numbers
+        return False
+    motion.counts[EVALUATIONS] += 1
+    cutoff = (motion.bounds[k, LEAST] + reach) * ROUNDED_UP
+    return not answer_pair(handle, k, cutoff) and is_proved(motion, k, cutoff - reach)
+
+
+@inlined
 def _examine(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: int) -> int:
-    """Examine a pair at the start; return 1 if it is open, 0 if proved, or minus a verdict."""
+    """Examine a pair by its boxes; return 1 if it is open, 0 if proved, or minus a verdict.
+
+    They are those in the middle of the motion for a ``QUICK`` check, otherwise at its start.
+    """
     motion = motions_of(handle)
     world = world_of(motion.world)
-    a, b, node = motion.pairs[k, 0], motion.pairs[k, 1], motion.common_of_pair[k]
+    a, b = motion.pairs[k, 0], motion.pairs[k, 1]
     _put_bounds(motion, world, k, A, B, exchanged)
-    way, slack = motion.bounds[k, WAY], motion.bounds[k, SLACK]
+    reach = motion.bounds[k, WAY]
+    if motion.flags[QUICK]:
+        reach = 0.5 * (reach + motion.bounds[k, CLOSING]) * ROUNDED_UP
+    reach += motion.bounds[k, SLACK]
     bodies = BoundedBodies(
         world.types,
         world.R_WGs,
@@ -157,13 +195,29 @@ def _examine(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count:
         world.half_extents,
         world.outer,
     )
-    least = least_possible(a, b, bodies)
-    if is_proved(motion, k, least - way - slack):
+    if is_proved(motion, k, least_possible(a, b, bodies) - reach):
         return 0
     motion.examined[k] = True
     if count >= motion.entries.shape[0] or 2 * count + 1 >= motion.records.shape[0]:
         return -NO_ROOM
-    gap = put_plane(motion, world, k, node, first_guess(world, a, b), 2 * count)
+    if not motion.flags[QUICK]:
+        return _is_open(handle, k, count)
+    if not is_spent(motion) and _is_clear_of_map(handle, k, reach):
+        return 0
+    motion.entries[count, OF_PAIR] = k
+    return 1
+
+
+@inlined
+def _is_open(handle: Handle, k: int, count: int) -> int:
+    """Examine a pair at the start; return 1 if it is open, 0 if proved, or minus a verdict.
+
+    An open one gets the entry with the number ``count``.
+    """
+    motion = motions_of(handle)
+    world, way, node = world_of(motion.world), motion.bounds[k, WAY], motion.common_of_pair[k]
+    guess = first_guess(world, motion.pairs[k, 0], motion.pairs[k, 1])
+    gap = put_plane(motion, world, k, node, guess, 2 * count)
     if is_proved(motion, k, gap - way):
         return 0
     if way == 0.0:
@@ -181,10 +235,11 @@ def _examine(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count:
 
 
 @allocating
-def _near_at_start(handle: Handle) -> int:
-    """List the pairs that the state at the start does not prove clear; return their number.
+def _near(handle: Handle) -> int:
+    """List the pairs that the current state does not prove clear; return their number.
 
-    Entries get the pair and its record of the start. Return minus a verdict if one is reached.
+    Entries get the pair and its record of the start; of a ``QUICK`` check, in the middle of the
+    motion, the pair alone. Return minus a verdict if one is reached.
     """
     motion = motions_of(handle)
     count, unknown = 0, False
@@ -202,6 +257,8 @@ def _near_at_start(handle: Handle) -> int:
         world_of(motion.world),
     )
     for m in range(motion.separations.size):
+        if _is_skipped(motion, m):
+            continue
         first, second, node = motion.sides[m, 0], motion.sides[m, 1], motion.common[m]
         A, B = rates_against(motion, first, node), rates_against(motion, second, node)
         if _is_far(motion, m, A, B, _slack_of(motion, m)):
@@ -219,6 +276,22 @@ def _near_at_start(handle: Handle) -> int:
             else:
                 count += change
     return -UNKNOWN if unknown else count
+
+
+@allocating
+def _left_at_start(handle: Handle, count: int) -> int:
+    """Examine the listed pairs at the start of the motion; return as ``_near`` does."""
+    motion = motions_of(handle)
+    left, unknown = 0, False
+    for e in range(count):
+        change = _is_open(handle, motion.entries[e, OF_PAIR], left)
+        if change == -UNKNOWN:
+            unknown = True
+        elif change < 0:
+            return change
+        else:
+            left += change
+    return -UNKNOWN if unknown else left
 
 
 @allocating
@@ -284,9 +357,15 @@ def begin(handle: Handle) -> int:
     """Return the number of pairs not proved clear from both ends, or minus a verdict."""
     motion = motions_of(handle)
     motion.outcome[T0], motion.outcome[T1] = 0.0, 1.0
-    if not put_state(handle, 0.0):
+    # Within half of the motion bodies go half as far: their middle proves more than their start.
+    quick = motion.flags[QUICK] != 0
+    if not put_state(handle, 0.5 if quick else 0.0):
         return -NO_POSE
-    count = _near_at_start(handle)
+    count = _near(handle)
+    if count > 0 and quick:
+        if not put_state(handle, 0.0):
+            return -NO_POSE
+        count = _left_at_start(handle, count)
     if count <= 0:
         return count
     if not put_state(handle, 1.0):

@@ -52,7 +52,13 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 from drake_geom_ros.geometry._proximity.motion.edges import check_edges, row_of_pair
 from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, JointPath
 from drake_geom_ros.geometry._proximity.motion.speeds import speeds_of_geometries
-from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, offsets_of, tree_of
+from drake_geom_ros.geometry._proximity.motion.tree import (
+    common_nodes,
+    offsets_of,
+    reaches_of,
+    reaches_of_groups,
+    tree_of,
+)
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
@@ -130,6 +136,18 @@ class MotionLoops:
         self._world.update()
         links = len(self._arrays.X_WLs)
         self._arrays.nodes[links + still, OFFSET] = offsets_of(p_PFs[still])
+
+    def take_shapes(self, other: World) -> None:
+        """Take the shapes of a world that differs by these alone, and by poses."""
+        world, arrays = self._world, self._arrays
+        world.take_shapes(other)
+        world.update()
+        reaches = reaches_of(world)
+        of_groups = reaches_of_groups(reaches, arrays.firsts, arrays.members)
+        self._arrays = arrays._replace(
+            world=world.handle, reaches=reaches, group_reaches=of_groups
+        )
+        self._handle = handle_of(self._arrays)
 
     def drive_by(self, chain: JointChain) -> None:
         """Take the numbers of a chain with the same links and columns as the one at first."""
@@ -228,9 +246,6 @@ def _arrays(
 ) -> MotionArrays:
     tree = tree_of(world, rows, chain)
     sides, common = common_nodes(tree, groups)
-    reaches = np.zeros(len(groups.firsts) - 1)
-    which = np.repeat(np.arange(len(reaches)), np.diff(groups.firsts))
-    np.maximum.at(reaches, which, tree.reaches[groups.members])
     of_pair = np.empty(len(pairs), dtype=np.int64)
     of_pair[groups.numbers] = np.repeat(common, np.diff(groups.starts))
     moves, count = chain or _no_joints(), len(rows)
@@ -262,7 +277,7 @@ def _arrays(
         centres=groups.centres,
         halves=groups.halves,
         separations=groups.separations,
-        group_reaches=reaches,
+        group_reaches=reaches_of_groups(tree.reaches, groups.firsts, groups.members),
         sides=sides,
         common=common,
         common_of_pair=of_pair,

@@ -30,20 +30,21 @@ def speeds_of_geometries(motion: MotionArrays, path: JointPath) -> Floats:
     """
     turns, slides, offsets = _of_nodes(motion, path)
     parents, reaches = motion.parents.tolist(), motion.reaches
-    # By edges: the speed of the origin of a node, and the rate at which it turns.
-    speeds, rates = {0: np.zeros(len(turns))}, {0: np.zeros(len(turns))}
+    # By edges and nodes: the speed of the origin of a node, and the rate at which it turns.
+    speeds, rates = np.zeros((2, *turns.shape))
+    done = {0}
     for node in np.unique(motion.on).tolist():
         line = [node]
-        while line[-1] not in speeds:
+        while line[-1] not in done:
             line.append(parents[line[-1]])
+        done.update(line)
         for parent, child in zip(line[::-1], line[-2::-1], strict=False):
-            speeds[child] = speeds[parent] + rates[parent] * offsets[:, child] + slides[:, child]
-            rates[child] = rates[parent] + turns[:, child]
-    bounds = np.zeros((len(turns), len(motion.on)))
-    for geometry, node in enumerate(motion.on.tolist()):
-        bounds[:, geometry] = speeds[node] + rates[node] * reaches[geometry]
-        if reaches[geometry] == 0.0:
-            bounds[rates[node] > 0.0, geometry] = math.inf
+            speeds[:, child] = (
+                speeds[:, parent] + rates[:, parent] * offsets[:, child] + slides[:, child]
+            )
+            rates[:, child] = rates[:, parent] + turns[:, child]
+    bounds = speeds[:, motion.on] + rates[:, motion.on] * reaches
+    bounds[(reaches == 0.0) & (rates[:, motion.on] > 0.0)] = math.inf
     return np.asarray(bounds * ROUNDED_UP)
 
 

@@ -62,10 +62,21 @@ def tree_of(world: World, rows: Indices, chain: JointChain | None) -> NodeTree:
             raise ValueError('links of one robot hang on different frames')
         nodes[roots, OFFSET] = offsets_of(chain.X_WLs[roots - 1, :3])
         nodes[roots, TURN_ROUNDING] = INTERPOLATED_ROTATION
+    return NodeTree(parents, nodes, of_frames[world.geometries.frames], reaches_of(world))
+
+
+def reaches_of(world: World) -> Floats:
+    """Return the farthest point (n,) [m] of geometries from the origins of their nodes."""
     table = world.geometries
     outer = np.where(table.types == HALF_SPACE, 0.0, world.outer_radii)
-    reaches = (np.linalg.norm(table.p_FGs, axis=1) + outer) * ROUNDED_UP
-    return NodeTree(parents, nodes, of_frames[table.frames], reaches)
+    return np.asarray((np.linalg.norm(table.p_FGs, axis=1) + outer) * ROUNDED_UP)
+
+
+def reaches_of_groups(reaches: Floats, firsts: Indices, members: Indices) -> Floats:
+    """Return the largest of the reaches (n,) [m] of the members of each group (g,)."""
+    largest = np.zeros(len(firsts) - 1)
+    np.maximum.at(largest, np.repeat(np.arange(len(largest)), np.diff(firsts)), reaches[members])
+    return largest
 
 
 def offsets_of(p_PFs: Floats) -> Floats:

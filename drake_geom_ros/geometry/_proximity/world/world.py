@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, packed_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import (
+    LEVER,
     PACE,
     set_poses,
     update,
@@ -354,6 +355,28 @@ class World:
         handle = handle_of(arrays)  # valid as long as these arrays
         for row in rows.tolist():
             update_geometries(handle, self.revision, row, row + 1)
+    def has_other_shapes_only(self, other: World) -> bool:
+        """Return whether another world differs by shapes of the same types at most, and poses.
+
+        Ids may differ as long as their order is the same.
+        """
+        table, its_table = self.geometries, other.geometries
+        return np.array_equal(self.frames.parents, other.frames.parents) and all(
+            np.array_equal(getattr(table, name), getattr(its_table, name))
+            for name in ('frames', 'R_FGs', 'p_FGs', 'roundings', 'types')
+        )
+
+    def take_shapes(self, other: World) -> None:
+        """Take the shapes of a world of which ``has_other_shapes_only`` is true."""
+        self._apply_pending()
+        shapes = other.geometries
+        self.geometries = self.geometries._replace(starts=shapes.starts, pool=shapes.pool)
+        self.point_shapes, self.has_point_shapes = other.point_shapes, other.has_point_shapes
+        for name in ('outer_radii', 'inner_radii', 'ball_centres', 'ball_radii'):
+            setattr(self, name, getattr(other, name).copy())
+        self._body_data[:, LEVER] = other._body_data[:, LEVER]
+        self._moved[:], self.is_stale = True, True  # all boxes are computed anew
+        self._make_handle()
 
     def pose_as(self, other: World) -> None:
         """Pose the frames that another world has on the same parents as they are posed there."""
