@@ -46,9 +46,8 @@ class StopProfile(NamedTuple):
 
     def times_at(self, share: float | Floats) -> Floats:
         """Return the times (c,) to brake from a share, or (s, c) from shares (s,)."""
-        shares, k = self.shares, np.int64(0)
-        if len(shares) > 2:
-            k = np.minimum(np.searchsorted(shares, share, 'right'), len(shares) - 1) - 1
+        shares = self.shares
+        k = np.minimum(np.searchsorted(shares, share, 'right'), len(shares) - 1) - 1
         part = np.asarray((share - shares[k]) / (shares[k + 1] - shares[k]))[..., np.newaxis]
         return np.asarray(self.times[k] + part * (self.times[k + 1] - self.times[k]))
 

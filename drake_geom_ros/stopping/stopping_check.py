@@ -16,7 +16,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.geometry.queries.joint_motions import JointMotions
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
-from drake_geom_ros.math.array_types import Indices
+from drake_geom_ros.math.array_types import Flags, Indices
 from drake_geom_ros.stopping.braking import BrakingError
 from drake_geom_ros.stopping.moving_pairs import Moment, PosedPairs
 from drake_geom_ros.stopping.prepared_question import PreparedQuestion
@@ -127,8 +127,9 @@ class StoppingCheck:
         own = np.zeros((len(braked), count), dtype=np.bool_)
         for row, each in zip(own, braked, strict=True):
             row[each.columns(self._columns)] = True
+        by_any: Flags = np.asarray(own.any(axis=0))
         about = [
-            QuestionPairs.of(question, row, own.any(axis=0), self._motions)
+            QuestionPairs.of(question, row, by_any, self._motions)
             for question, row in zip(self._questions, own, strict=True)
         ]
         rows = np.unique(np.concatenate([np.zeros(0, np.int64), *(each.rows for each in about)]))
