@@ -6,8 +6,8 @@
 Two Pandas move at up to 0.8 rad/s a joint, the person walks past them, and cells stand around the
 cell. One rule for each arm holds it against all else. Each cycle, with 10 ms of sleep in between,
 asks whether both arms can still stop. With ``--new-map K`` a sensor changes the map in each Kth
-cycle, for which the scene is packed anew. Milliseconds of processor time of a cycle: mean, median, 90th and 99th
-percentile and the longest, with the share of answers that were clear.
+cycle. Milliseconds of processor time of a cycle: mean, median, 90th and 99th percentile and the
+longest, with the share of answers that were clear.
 """
 
 from __future__ import annotations
