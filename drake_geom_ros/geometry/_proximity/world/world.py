@@ -355,6 +355,7 @@ class World:
         handle = handle_of(arrays)  # valid as long as these arrays
         for row in rows.tolist():
             update_geometries(handle, self.revision, row, row + 1)
+
     def has_other_shapes_only(self, other: World) -> bool:
         """Return whether another world differs by shapes of the same types at most, and poses.
 
