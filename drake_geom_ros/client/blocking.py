@@ -23,7 +23,7 @@ from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 from drake_geom_ros.client.contact_surfaces import ContactSurfaces
 from drake_geom_ros.client.left_out import LeftOut, refuse_stale
 from drake_geom_ros.client.listening import SceneListener
-from drake_geom_ros.client.motions import Motion, joint_trajectory
+from drake_geom_ros.client.motions import Motion, joint_trajectory, paths_of
 from drake_geom_ros.client.results import (
     Penetrations,
     PointDistances,
@@ -357,6 +357,7 @@ class SceneGraphClient:
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
         multi_dof_path: MultiDOFJointTrajectory | None = None,
+        trajectory: Any = None,
         approach_time: float = 0.0,
         clearance_intervals: int = 0,
         allow_stale: bool = False,
@@ -374,7 +375,9 @@ class SceneGraphClient:
         first row, and where it leaves their limits. With ``ignore_foreign_joints``, joints that no
         robot of the scene has are left out, and named in the result.
 
-        ``multi_dof_path`` has transforms of planar and floating joints at the times of ``path``.
+        ``multi_dof_path`` has transforms of planar and floating joints, and of frames, at the
+        times of ``path``. Instead of both, ``trajectory`` may be a message, a
+        ``moveit_msgs/RobotTrajectory`` or a ``trajectory_msgs/JointTrajectory``.
         An ``approach_time`` > 0 [s] puts the straight way from where the joints are now in front,
         before time 0. ``clearance_intervals`` asks for bounds of the clearance over time.
 
@@ -385,16 +388,20 @@ class SceneGraphClient:
         """
         rows = np.asarray(path, dtype=np.float64)
         derivatives = velocities, accelerations
-        trajectory = JointTrajectory()
-        if rows.size:
-            trajectory = joint_trajectory(joint_names, rows, times, *derivatives)
+        way, beside = JointTrajectory(), multi_dof_path or MultiDOFJointTrajectory()
+        if trajectory is not None:
+            if rows.size or multi_dof_path is not None:
+                raise ValueError('trajectory is given, and so is path or multi_dof_path')
+            way, beside = paths_of(trajectory)
+        elif rows.size:
+            way = joint_trajectory(joint_names, rows, times, *derivatives)
         answer = self.ask(
             'check_motion',
             start=frame_poses(start or {}),
             end=frame_poses(end or {}),
             start_joints=joint_positions(start_joints or {}),
-            path=trajectory,
-            multi_dof_path=multi_dof_path or MultiDOFJointTrajectory(),
+            path=way,
+            multi_dof_path=beside,
             start_now=approach_time != 0.0,
             approach_time=float(approach_time),
             clearance_intervals=clearance_intervals,

@@ -8,7 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from rclpy.duration import Duration
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import (
+    JointTrajectory,
+    JointTrajectoryPoint,
+    MultiDOFJointTrajectory,
+)
 
 from drake_geom_ros.math.array_types import Floats
 
@@ -130,3 +134,20 @@ def _derivative_rows(values: ArrayLike | None, path: Floats) -> list[list[float]
         )
     listed: list[list[float]] = rows.tolist()
     return listed
+
+
+def paths_of(message: Any) -> tuple[JointTrajectory, MultiDOFJointTrajectory]:
+    """Return the two parts of a trajectory that a planner made.
+
+    ``message`` is a ``moveit_msgs/RobotTrajectory`` or a ``trajectory_msgs/JointTrajectory``.
+    Raises TypeError for another one.
+    """
+    if isinstance(message, JointTrajectory):
+        return message, MultiDOFJointTrajectory()
+    try:
+        return message.joint_trajectory, message.multi_dof_joint_trajectory
+    except AttributeError:
+        raise TypeError(
+            f'trajectory is a {type(message).__name__}; it must be a JointTrajectory or a '
+            'RobotTrajectory'
+        ) from None

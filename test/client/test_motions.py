@@ -3,14 +3,22 @@
 import math
 import threading
 import time
+from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Duration
 from drake_geom_msgs import msg
+from geometry_msgs.msg import Transform
 from live.inputs.test_joint_input import JOINTS_OF_ARM
 from live.services.test_motions import BOUNDS, FIRST_TOUCH, NOW
 from live.services.test_states import cell_in
 from ros.harness import PATIENCE, start_node
+from trajectory_msgs.msg import (
+    JointTrajectory,
+    MultiDOFJointTrajectory,
+    MultiDOFJointTrajectoryPoint,
+)
 
 from drake_geom_ros.batch import Joints, check_path
 from drake_geom_ros.client import RefusedError, SceneGraphClient, exclude_between
@@ -60,6 +68,28 @@ def test_a_ball_meets_a_post(asked):
     assert math.isclose(found.p_WCa[0], 1.9, abs_tol=1e-5)
     with pytest.raises(TypeError, match='neither true nor false'):
         bool(found)
+
+
+def test_a_robot_trajectory_moves_frames_too(asked):
+    def point(X, seconds):
+        transform = Transform()
+        transform.translation.x, transform.translation.y, transform.translation.z = X.translation()
+        time_from_start = Duration(sec=seconds)
+        return MultiDOFJointTrajectoryPoint(
+            transforms=[transform], time_from_start=time_from_start
+        )
+
+    points = [point(BEFORE, 0), point(BEHIND, 1)]
+    several = MultiDOFJointTrajectory(joint_names=['free'], points=points)
+    # As moveit_msgs/RobotTrajectory has it.
+    message = Plain(joint_trajectory=JointTrajectory(), multi_dof_joint_trajectory=several)
+    found = asked.check_motion(trajectory=message, allow_stale=True)
+    assert found.outcome == 'contact'
+    assert found.times[0] <= FIRST_TOUCH <= found.times[1] <= found.times[0] + 1e-6
+    with pytest.raises(TypeError, match='it must be a JointTrajectory or a RobotTrajectory'):
+        asked.check_motion(trajectory=several)
+    with pytest.raises(ValueError, match='trajectory is given, and so is path'):
+        asked.check_motion(trajectory=message, joint_names=NAMES, path=[(0.0, 0.0, 0.0)])
 
 
 def test_paths_are_answered_as_offline(asked, check):

@@ -51,6 +51,10 @@ class MultiDofJoint(NamedTuple):
             X_JC = RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
         except RuntimeError as error:
             raise ArgumentError(f'{place}, joint {self.name!r}: {error}') from None
+        return self.values_of(X_JC, place)
+
+    def values_of(self, X_JC: RigidTransform, place: str) -> Floats:
+        """Return the values at a pose of the child link; raises as ``values``."""
         if self.type == 'floating':
             roll, pitch, yaw = RollPitchYaw(X_JC.rotation()).vector().tolist()
             return np.array([*X_JC.translation(), yaw, pitch, roll])

@@ -70,9 +70,10 @@ def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> Jo
     _refuse_fields(request)
     start_joints = GivenJoints(request.start_joints.names, request.start_joints.positions)
     trajectory, foreign = for_the_scene(live, request.path, request.ignore_foreign_joints)
-    several = multi_dof_path(live, request.multi_dof_path, request.profile)
-    names = [*trajectory.joint_names, *several.joint_names]
-    view, joints, begin = view_of_joints(live, request.start, names, start_joints)
+    moved = multi_dof_path(live, request.multi_dof_path, request.profile)
+    several, names = moved.path, [*trajectory.joint_names, *moved.joint_names]
+    parts = live, request.start, names, start_joints, moved.frames
+    view, joints, begin = view_of_joints(*parts)
     path = _path(trajectory, several, begin, request.profile)
     points = max(len(trajectory.points), len(several.points))
     if request.start_now:

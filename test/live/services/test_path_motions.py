@@ -131,14 +131,14 @@ def transform(x=0.0, y=0.0, z=0.0, roll=0.0, pitch=0.0, yaw=0.0):
     return Plain(translation=Plain(x=x, y=y, z=z), rotation=Plain(**rotation))
 
 
-def several(names, rows, times, **derivatives):
+def several(names, rows, times, frame='', **derivatives):
     points = []
     for transforms, time in zip(rows, times, strict=True):
         whole, part = divmod(round(1e9 * time), 10**9)
         given = {'velocities': [], 'accelerations': [], **derivatives}
         time_from_start = Plain(sec=whole, nanosec=part)
         points.append(Plain(transforms=transforms, time_from_start=time_from_start, **given))
-    return Plain(joint_names=names, points=points)
+    return Plain(header=Plain(frame_id=frame), joint_names=names, points=points)
 
 
 def test_a_planar_joint_takes_its_link_where_the_transforms_say(yard):
@@ -181,6 +181,8 @@ def test_turns_go_by_the_shorter_way(yard):
     ('names', 'rows', 'words'),
     [
         (['roll'], [[transform()]], "'roll', which is 0 planar or floating"),
+        (['world'], [[transform()]], "'world', which is the world"),
+        (['drone'], [[transform()]], "'drone', a link that joints of 'cart' move"),
         (['slide', 'cart::slide'], [[transform()] * 2], 'names a joint twice'),
         (['slide'], [[]], 'has 0 transforms for 1 joints'),
         (['slide'], [[transform(z=0.1)]], 'out of its plane'),
@@ -203,3 +205,143 @@ def test_derivatives_of_several_values_are_refused_unless_the_way_is_to_be_strai
     assert straight.outcome == CLEAR
     bare = answer(yard, multi_dof_path=several(['slide'], rows, (0.0, 4.0)))
     assert straight.lower_bound == bare.lower_bound
+
+
+ROVER = """<robot name="rover">
+<link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="mast"/>
+<link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="up" type="fixed"><parent link="base"/><child link="mast"/><origin xyz="0 0 1"/>
+</joint>
+<joint name="turn" type="revolute"><parent link="mast"/><child link="hand"/><axis xyz="0 0 1"/>
+<origin xyz="0 0 0.5"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+SEMANTICS = """<robot name="rover"><virtual_joint name="floor" type="planar" child_link="base"
+parent_frame="world"/></robot>"""
+HALL = """
+sources: [hall]
+robots: [{{name: rover, urdf: {folder}/rover.urdf, srdf: {folder}/rover.srdf, pose: {{}}}}]
+frames:
+- {{name: tray, source: hall, pose: {{position: [0, 5, 0]}}}}
+- {{name: mug, source: hall, parent: tray, pose: {{position: [0, 0, 0.5]}}}}
+- {{name: table, source: hall, pose: {{position: [0, 9, 0]}}}}
+geometries:
+- {{name: tray, source: hall, frame: tray, shape: {{type: sphere, radius: 0.1}}}}
+- {{name: mug, source: hall, frame: mug, shape: {{type: sphere, radius: 0.1}}}}
+- {{name: post, source: hall, shape: {{type: sphere, radius: 0.1}},
+    pose: {{position: [2, 0, 1.5]}}}}
+"""
+
+
+@pytest.fixture
+def hall(tmp_path):
+    (tmp_path / 'rover.urdf').write_text(ROVER)
+    (tmp_path / 'rover.srdf').write_text(SEMANTICS)
+    live = live_scene(HALL.format(folder=tmp_path), Clock(1000.0))
+    joints = JointInput(live.clocks, 1.0, by_default=True)
+    with live.editing() as scene:
+        joints.take(scene, state(['turn'], [0.0]), 0.0)
+    return live
+
+
+DRIVE = [[transform()], [transform(4.0)]]
+
+
+def touches(found, time):
+    return found.times[0] <= time <= found.times[1] <= found.times[0] + 2e-6
+
+
+def test_a_frame_goes_with_all_that_hangs_on_it(hall):
+    rows = [[transform(0.0, 5.0)], [transform(2.0, 0.0, 1.0)]]
+    found = answer(hall, multi_dof_path=several(['tray'], rows, (0.0, 4.0)))
+    # The mug, 0.5 m above, ends in the post; it comes along a straight way.
+    length = math.sqrt(2.0**2 + 5.0**2 + 1.0**2)
+    assert found.outcome == CONTACT
+    assert touches(found, 4.0 * (1.0 - 0.2 / length))
+    assert {found.geometry_a, found.geometry_b} == {'hall::mug/mug', 'hall::world/post'}
+    assert found.fastest_joint == 'tray/y'
+    back = answer(hall, multi_dof_path=several(['hall::tray'], rows[::-1], (0.0, 4.0)))
+    assert back.outcome == CONTACT
+    assert back.times[1] == 0.0
+
+
+@pytest.mark.parametrize('name', ['base', 'rover::base', 'floor'])
+def test_a_robot_goes_with_its_root_link(hall, name):
+    found = answer(hall, multi_dof_path=several([name], DRIVE, (0.0, 4.0), frame='world'))
+    assert found.outcome == CONTACT
+    assert touches(found, 1.8)  # the hand stands 1.5 m above the base
+    assert {found.geometry_a.split('/')[0], found.geometry_b.split('/')[0]} == {
+        'rover::hand',
+        'hall::world',
+    }
+    aside = [[transform()], [transform(4.0, 1.0, yaw=2.0)]]
+    clear = answer(hall, multi_dof_path=several([name], aside, (0.0, 4.0)))
+    assert clear.outcome == CLEAR
+
+
+def test_a_base_and_a_joint_of_one_robot_move_together(tmp_path):
+    rng = np.random.default_rng(5)
+    text = ROVER.replace('<link name="mast"/>', '<link name="mast"/><link name="tip">{}</link>')
+    ball = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+    joint = (
+        '<joint name="out" type="fixed"><parent link="hand"/><child link="tip"/>'
+        '<origin xyz="0.7 0 0"/></joint></robot>'
+    )
+    text = text.format(ball).replace('</robot>', joint)
+    (tmp_path / 'rover.urdf').write_text(text)
+    (tmp_path / 'rover.srdf').write_text(SEMANTICS)
+    live = live_scene(HALL.format(folder=tmp_path), Clock(1000.0))
+    outcomes = set()
+    for _ in range(25):
+        x, y, yaw, turn = rng.uniform([1.0, -1.0, -2.0, -2.0], [3.5, 1.0, 2.0, 2.0])
+        base = several(['base'], [[transform()], [transform(x, y, yaw=yaw)]], (0.0, 2.0))
+        path = trajectory([(0.0,), (turn,)], (0.0, 2.0), names=['turn'])
+        found = answer(live, path=path, multi_dof_path=base)
+        s = np.linspace(0.0, 1.0, 20_001)
+        angle = s * (yaw + turn)
+        tip = np.column_stack([s * x + 0.7 * np.cos(angle), s * y + 0.7 * np.sin(angle)])
+        hand = np.column_stack([s * x, s * y])
+        gaps = [np.linalg.norm(p - [2.0, 0.0], axis=1) - 0.2 for p in (tip, hand)]
+        near = np.flatnonzero(np.minimum(*gaps) <= 0.0)
+        outcomes.add(found.outcome)
+        if found.outcome == CLEAR:
+            assert not len(near)
+        else:
+            assert len(near)
+            assert 2.0 * s[near[0]] == pytest.approx(found.times[1], abs=1e-3)
+    assert outcomes == {CLEAR, CONTACT}
+
+
+@pytest.mark.parametrize(
+    ('name', 'frame', 'words'),
+    [
+        ('tray', 'base', "frame_id 'base'; .* 'tray' are those in its parent, world"),
+        (
+            'mug',
+            'world',
+            "frame_id 'world'; .* 'mug' are those in its parent, hall::tray",
+        ),
+    ],
+)
+def test_poses_of_frames_are_those_in_their_parents(hall, name, frame, words):
+    with pytest.raises(RuntimeError, match=words):
+        answer(hall, multi_dof_path=several([name], DRIVE, (0.0, 1.0), frame=frame))
+
+
+def test_the_way_from_where_a_frame_is_now_is_put_in_front(hall):
+    rows = [[transform(4.0, 5.0)], [transform(4.0, 6.0)]]
+    path = several(['tray'], rows, (0.0, 1.0))
+    found = answer(hall, multi_dof_path=path, start_now=True, approach_time=2.0)
+    assert found.outcome == CLEAR
+    assert found.cartesian_speed >= 2.0
+    with pytest.raises(RuntimeError, match='start_tolerance'):
+        answer(hall, multi_dof_path=path, start_tolerance=0.01)
+    later = several(['tray'], rows, (2.0, 3.0))
+    assert answer(hall, multi_dof_path=later).cartesian_speed >= 2.0
+
+
+def test_what_is_welded_to_the_world_is_not_moved(hall):
+    with hall.editing() as scene:
+        frame = scene.model.names.frame('table')
+        scene.model.filter_manager.WeldToWorld([frame])
+    with pytest.raises(RuntimeError, match='hall::table is welded to the world'):
+        answer(hall, multi_dof_path=several(['table'], DRIVE, (0.0, 1.0)))
