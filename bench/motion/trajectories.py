@@ -27,6 +27,11 @@ FINE = 1e-4  # [s] that judges
 
 def random_spline(rng: np.random.Generator, start: Floats, step: float) -> JointSpline:
     """Return a random spline from a state, of points a step [rad] apart."""
+    return JointSpline(random_trajectory(rng, start, step))
+
+
+def random_trajectory(rng: np.random.Generator, start: Floats, step: float) -> JointTrajectory:
+    """Return the points of a random spline from a state."""
     count = int(rng.integers(3, 7))
     ways = rng.normal(size=(count - 1, len(start)))
     ways *= step / np.linalg.norm(ways, axis=1, keepdims=True)
@@ -38,7 +43,7 @@ def random_spline(rng: np.random.Generator, start: Floats, step: float) -> Joint
     if rng.random() < 0.5:
         accelerations = np.zeros_like(rows)
         accelerations[1:-1] = rng.normal(0.0, 2.0, rows[1:-1].shape)
-    return JointSpline(JointTrajectory(times, rows, velocities, accelerations))
+    return JointTrajectory(times, rows, velocities, accelerations)
 
 
 def states_of(spline: JointSpline, step: float) -> tuple[Floats, Floats]:

@@ -164,6 +164,7 @@ OUTPUTS: Mapping[str, Output] = {
 
 def _take_robot(to: Receivers, message: Any, _: MessageArrival) -> None:
     to.log_done(to.robot.take(message.data))
+    to.planning.renew()
 
 
 def _take_semantics(to: Receivers, message: Any, _: MessageArrival) -> None:

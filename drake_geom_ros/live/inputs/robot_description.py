@@ -19,6 +19,8 @@ from functools import partial
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.scene.changes.addition import addition
+from drake_geom_ros.live.scene.changes.together import together
+from drake_geom_ros.live.scene.changes.world_change import without_matrix
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.same_robots import has_same_shapes, robot_of_scene
@@ -129,7 +131,9 @@ class RobotInput:
             self._live.replace(partial(self._in_its_place, robot), self._source)
             done = f'replaces {self._source!r}'
         else:
-            self._live.change(addition(robot), calls_for_more=True)
+            with self._live.reading() as scene:
+                added = together(without_matrix(scene), addition(robot))
+            self._live.change(added, calls_for_more=True)
             done = 'added'
         self._text, self._source, self._followed = text, source, ''
         self._robot = _name_of(text)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from live.inputs.test_joint_input import ARM, JOINTS_OF_ARM, opened, scene_text, state
 from live.inputs.test_planning_scene import box, place
+from live.inputs.test_robot_description import urdf as urdf_of
 from live.live_scenes import Clock, live_scene
 from live.moveit_messages import (
     attached_object,
@@ -19,6 +20,7 @@ from live.moveit_messages import (
 )
 
 from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
+from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.sensed_maps import Cells
@@ -134,6 +136,23 @@ def test_paddings_and_matrix_hold_for_a_robot_that_comes_later(urdf):
     moveit.renew()
     with live.reading() as scene:
         assert scene.model.version == version
+
+
+def test_a_robot_may_come_while_the_matrix_excludes_pairs(live):
+    moveit = PlanningSceneInput(live)
+    moveit.take_scene(
+        planning_scene([box('mug')], allowed=matrix(['mug', 'base'], [('mug', 'base')]))
+    )
+    assert 'base' not in gap(live, 'mug/sphere_0')
+    assert 'added' in RobotInput(live).take(urdf_of('other', 'a', 'b', 'c'))
+    moveit.renew()
+    assert 'base' not in gap(live, 'mug/sphere_0')
+    with live.reading() as scene:
+        manager = scene.model.filter_manager
+        names = scene.model.names
+        a, b = (names.geometry(f'other::{link}/collision_0') for link in 'ab')
+        assert manager.explain(a, b), 'adjacent links are filtered'
+        assert len(manager.active_filter_ids()) == 1
 
 
 CELLS = Cells.of_points([[1.1, 0.1, 0.1], [1.1, 0.6, 0.1]], 0.5)

@@ -108,6 +108,24 @@ def world_change(
     return Change(on, first, then)
 
 
+def without_matrix(scene: HeldScene) -> Change[HeldScene, None]:
+    """Return the change that ends the filter of the matrix, until it is made again.
+
+    Persistent filters, such as those of a robot that comes, cannot change beside it.
+    """
+    owners = scene.filters.owners()
+    ids = [FilterId(number) for number, owner in owners.items() if owner == _ALLOWED]
+
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> list[FilterId]:
+        return graph.collision_filter_manager(context).RemoveDeclarations(ids)
+
+    def then(scene: HeldScene, ended: list[FilterId]) -> None:
+        for filter_id in ended:
+            scene.filters.end(filter_id)
+
+    return Change(on, then=then, same_content=True)
+
+
 def _roles(
     inspector: SceneGraphInspector, paddings: Mapping[GeometryId, float]
 ) -> list[tuple[SourceId, GeometryId, ProximityProperties]]:
