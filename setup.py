@@ -21,7 +21,7 @@ CORE = [
     'pyyaml>=6.0',  # scene files
     'scipy>=1.11',  # hulls, asked for by trimesh
     'tqdm>=4.62',  # progress of what takes long
-    'trimesh>=4.2',  # mesh files
+    'trimesh>=4.6',  # mesh files; the first that reads scenes of all formats
 ]
 # What a node takes of ROS 2, for those without a distribution: an extra for each that PyPI has.
 # The messages are of this version, compiled for that distribution.

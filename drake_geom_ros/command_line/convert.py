@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.built_scene import build_call, load_built
 from drake_geom_ros.command_line.option_values import finite
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
@@ -11,7 +12,7 @@ from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
-from drake_geom_ros.scene_files import SceneFileError, files_of, save_scene
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of, save_scene
 from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file
 from drake_geom_ros.scene_files.moveit_scene import SUFFIX as MOVEIT_SUFFIX
 from drake_geom_ros.scene_files.moveit_scene_writer import to_moveit_scene
@@ -27,7 +28,8 @@ def add_to(commands: Any) -> None:
         'convert',
         description=(
             'A model (URDF, SDF, MJCF, directives, a mesh), .yaml or .scene of MoveIt to .yaml, '
-            'to .scene, or, of one robot, to .urdf; .csv to .json and back; '
+            'to .scene, or, of one robot, to .urdf; FILE.py:FUNCTION, which returns a Diagram or '
+            'a SceneGraph of pydrake or an mujoco.MjModel, to .yaml; .csv to .json and back; '
             'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
         ),
     )
@@ -50,10 +52,14 @@ def run(options: argparse.Namespace) -> int:
     if len(outputs) != 1:
         raise SceneFileError('give one file to be written, OUT or --to OUT', options.input)
     source, target = Path(options.input), Path(outputs[0])
-    check_outputs({'OUT': target}, [source, options.srdf])
+    call = build_call(options.input)
+    check_outputs({'OUT': target}, [call.file if call else source, options.srdf])
     becomes_scene = target.suffix in _SCENE_SUFFIXES
     kind = source.suffix.lower()
-    if kind in MAP_SUFFIXES and not (becomes_scene and is_mesh_file(source)):
+    if call is not None and becomes_scene:
+        scene_graph = SceneGraph()
+        _save(scene_graph, load_built(call, scene_graph), target)
+    elif kind in MAP_SUFFIXES and not (becomes_scene and is_mesh_file(source)):
         _convert_map(source, target, options.resolution)
     elif options.resolution is not None:
         raise SceneFileError('is no map, and --resolution is for these alone', str(source))
@@ -62,10 +68,7 @@ def run(options: argparse.Namespace) -> int:
         loaded = load_and_warn(
             str(source), scene_graph, options.srdf, options.package_root, options.solid
         )
-        check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
-        text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
-        with whole_file(target) as file:
-            file.write(text)
+        _save(scene_graph, loaded, target)
     elif source.suffix not in POSE_SUFFIXES and target.suffix == MOVEIT_SUFFIX:
         _convert_to_moveit(source, target, options)
     elif source.suffix not in POSE_SUFFIXES and target.suffix == '.urdf':
@@ -80,11 +83,18 @@ def run(options: argparse.Namespace) -> int:
     else:
         raise SceneFileError(
             f'cannot be converted to {str(target)!r}: models, .yaml and .scene become .yaml, '
-            '.scene or .urdf, '
+            '.scene or .urdf, FILE.py:FUNCTION becomes .yaml, '
             f'.csv and .json become each other, and so do maps ({", ".join(MAP_SUFFIXES)})',
             str(source),
         )
     return 0
+
+
+def _save(scene_graph: SceneGraph, loaded: LoadedScene, target: Path) -> None:
+    check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
+    text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
+    with whole_file(target) as file:
+        file.write(text)
 
 
 def _convert_to_moveit(source: Path, target: Path, options: argparse.Namespace) -> None:

@@ -287,7 +287,7 @@ class _ModelReader:
             if not name or name in names:
                 name = f'{name or "collision"}_{index}'
             names.add(name)
-            is_solid = options.is_solid(link, name) or is_extruded(made[0])
+            is_solid = options.is_solid(link, name) or is_extruded(element.find('geometry'))
             if isinstance(made[0], Mesh) and is_solid:
                 properties.AddProperty('mesh', 'solid', True)
             if padding := options.padding(link, name):

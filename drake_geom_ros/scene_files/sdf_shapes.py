@@ -14,9 +14,10 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.geometry.shapes.extrusion import extruded
+from drake_geom_ros.geometry.shapes.submeshes import submesh
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.sdf_elements import SdfFile, numbers_in, text_of
+from drake_geom_ros.scene_files.sdf_elements import SdfFile, flag_in, numbers_in, text_of
 from drake_geom_ros.scene_files.sdf_heightmaps import height_field_of
 from drake_geom_ros.scene_files.xml_tree import local_name
 
@@ -87,8 +88,6 @@ def _polyline(element: Any) -> Mesh:
 
 
 def _mesh(element: Any, file: SdfFile, resolver: ResourceResolver) -> Shape:
-    if element.find('submesh') is not None:
-        raise ValueError('<submesh> is not read; write the part of the mesh to a file of its own')
     uri = text_of(element, 'uri')
     if not uri:
         raise ValueError('<mesh> has no <uri>')
@@ -97,9 +96,16 @@ def _mesh(element: Any, file: SdfFile, resolver: ResourceResolver) -> Shape:
     convex = element.get('optimization') in ('convex_hull',) or any(
         local_name(child) == 'declare_convex' for child in element
     )
-    return (Convex if convex else Mesh)(path, scale)
+    kind = Convex if convex else Mesh
+    part = element.find('submesh')
+    if part is None:
+        return kind(path, scale)
+    name = text_of(part, 'name')
+    if not name:
+        raise ValueError('<submesh> has no <name>')
+    return kind.FromMeshData(submesh(path, name, flag_in(part, 'center')), scale)
 
 
-def is_extruded(shape: Shape) -> bool:
-    """Return whether a shape is that of a ``<polyline>``, which is a solid."""
-    return isinstance(shape, Mesh) and shape.mesh_data() is not None
+def is_extruded(geometry: Any) -> bool:
+    """Return whether a geometry element is a ``<polyline>``, which is a solid."""
+    return geometry is not None and geometry.find('polyline') is not None

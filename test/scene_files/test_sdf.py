@@ -478,10 +478,6 @@ def shaped(shape):
         (shaped('<box><size>1 2</size></box>'), r"<size> is '1 2'; it must be 3 finite numbers"),
         (shaped('<sphere/>'), r'<sphere> has no <radius>'),
         (shaped('<mesh><uri>absent.obj</uri></mesh>'), r'absent.obj'),
-        (
-            shaped('<mesh><uri>x.obj</uri><submesh><name>y</name></submesh></mesh>'),
-            r'<submesh> is not read',
-        ),
         (model(AB + '<include><uri>https://x/y</uri></include>'), r"scheme 'https'; use package"),
         (model(AB + '<include/>'), r'<include> has no <uri>'),
         (

@@ -34,12 +34,14 @@ def parse_dae(data: bytes) -> ParsedMesh:
     if root.tag != 'COLLADA':
         raise ValueError(f'<{root.tag}> is no Collada file')
     metres = _unit(root)
-    vertices, triangles = _DaeReader(root).mesh()
+    reader = _DaeReader(root)
+    vertices, triangles = reader.mesh()
     remarks = [] if metres == 1.0 else [f'lengths are times {metres:g} m by its <unit>']
     axis = root.findtext('asset/up_axis', 'Z_UP').strip()
     if axis != 'Z_UP':
         remarks.append(f'its <up_axis> {axis} is not applied, as in RViz')
-    return ParsedMesh(vertices * metres, triangles, None, tuple(remarks))
+    parts = reader.parts()
+    return ParsedMesh(vertices * metres, triangles, None, tuple(remarks), parts=parts)
 
 
 def _unit(root: Element) -> float:
@@ -69,6 +71,10 @@ class _DaeReader:
         self._walk(self._target(scene.get('url')), np.eye(4), ())
         return self._pieces.all()
 
+    def parts(self) -> dict[str, Indices]:
+        """Return the rows of the triangles of nodes that have a name."""
+        return self._pieces.parts()
+
     def _target(self, url: str | None) -> Element:
         """Return the element that a reference within the file names."""
         element = self._by_id.get((url or '').removeprefix('#'))
@@ -92,7 +98,7 @@ class _DaeReader:
                 if url not in self._read:
                     self._read[url] = list(self._geometry(self._target(url)))
                 for vertices, triangles in self._read[url]:
-                    self._pieces.add(T_FN, vertices, triangles)
+                    self._pieces.add(T_FN, vertices, triangles, node.get('name', ''))
             elif child.tag == 'instance_controller':
                 raise ValueError(
                     f'{child.get("url")!r} is bent by a skin or morph targets; bake its pose '

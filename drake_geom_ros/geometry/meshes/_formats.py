@@ -48,7 +48,7 @@ def parse_mesh(
     if reason := stand_in(data):
         raise MeshFileError(f'{filename!r} cannot be read: {reason}')
     if kind == 'obj':
-        return ParsedMesh(*parse_obj(data.decode('utf-8-sig', errors='replace'), filename))
+        return parse_obj(data.decode('utf-8-sig', errors='replace'), filename)
     if kind not in FORMATS:
         raise MeshFileError(
             f'{filename!r}: mesh files of the formats {", ".join(FORMATS)} are read, by their '

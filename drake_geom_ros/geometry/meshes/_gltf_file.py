@@ -216,7 +216,8 @@ def _mesh(tree: Any, nodes: list[_Node], loaded: Any) -> ParsedMesh:
             name, given = f'{node.mesh}/{k}', primitive['attributes']
             part, order = (loaded['geometry'].get(each) for each in (name, f'{name}/order'))
             triangles = _triangles(primitive, part, order)
-            pieces.add(T_FNs[node.name], _reals(tree, given['POSITION'], part), triangles)
+            positions = _reals(tree, given['POSITION'], part)
+            pieces.add(T_FNs[node.name], positions, triangles, _name(tree, node))
             if len(triangles):
                 of_vertices = _reals(tree, given.get('COLOR_0'), part, 'vertex_colors')
                 colours.append(
@@ -227,7 +228,12 @@ def _mesh(tree: Any, nodes: list[_Node], loaded: Any) -> ParsedMesh:
     known = [each for each in colours if each is not None]
     is_coloured = bool(known) and len(known) == len(colours)
     of_triangles = np.concatenate(known).astype(np.float32) if is_coloured else None
-    return ParsedMesh(p_GVs, triangles, of_triangles, ('turned from y up to z up',))
+    remarks = ('turned from y up to z up',)
+    return ParsedMesh(p_GVs, triangles, of_triangles, remarks, parts=pieces.parts())
+
+
+def _name(tree: Any, node: _Node) -> str:
+    return str(tree['nodes'][int(node.name)].get('name', ''))
 
 
 def _triangles(primitive: Any, part: Any, order: Any) -> Indices:

@@ -20,6 +20,7 @@ import numpy as np
 
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes import _by_trimesh
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
 from drake_geom_ros.geometry.meshes._polygons import cut_faces
 from drake_geom_ros.math.array_types import Floats, Indices
 
@@ -35,6 +36,14 @@ class StatementLines(NamedTuple):
     numbers: list[int]
 
 
+class _Mesh(NamedTuple):
+    """Vertices (n, 3), triangles (m, 3), and the face (m,) of each, in the order of the file."""
+
+    vertices: Floats
+    triangles: Indices
+    faces: Indices
+
+
 def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) and triangles (m, 3), indices counted from 0, of an .obj file.
 
@@ -45,10 +54,10 @@ def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
         text = Path(filename).read_text(encoding='utf-8-sig', errors='replace')
     except OSError as error:
         raise MeshFileError(f"'{filename}' cannot be read: {error.strerror}") from None
-    points, triangles = parse_obj(text, filename)
-    if len(triangles) == 0:
+    mesh = parse_obj(text, filename)
+    if len(mesh.triangles) == 0:
         raise MeshFileError(f"'{filename}' has no faces: no line of it begins with 'f '")
-    return points, triangles
+    return mesh.vertices, mesh.triangles
 
 
 def obj_text(points: Floats, triangles: Indices | None = None) -> str:
@@ -64,12 +73,15 @@ def _shortest(x: float) -> str:
     return repr(x).removesuffix('.0')
 
 
-def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
-    """Return the result of ``read_obj`` for a file's text, which may have no faces."""
+def parse_obj(text: str, filename: str | os.PathLike[str]) -> ParsedMesh:
+    """Return the mesh in a file's text, which may have no faces; errors as ``read_obj``.
+
+    Its parts are named by the last ``o`` or ``g`` before a face.
+    """
     points = StatementLines([], [])
-    faces: dict[int, StatementLines] = defaultdict(
-        lambda: StatementLines([], [])
-    )  # by the number of corners
+    # By the number of corners.
+    faces: dict[int, StatementLines] = defaultdict(lambda: StatementLines([], []))
+    name, names, labels = '', list[str](), list[int]()  # of parts, and the part of each face
     for number, words in _statements(text):
         if words[0] == 'v':
             points.texts.append(' '.join(words[1:4]))
@@ -79,20 +91,35 @@ def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indi
             of_kind = faces[len(words) - 1]
             of_kind.texts.append(corners)
             of_kind.numbers.append(number)
+            if not names or names[-1] != name:
+                names.append(name)
+            labels.append(len(names) - 1)
+        elif words[0] in ('o', 'g'):
+            name = ' '.join(words[1:])
         elif words[0] in _NOT_READ:
             raise MeshFileError(f'{filename}:{number}: {words[0]!r} is not read; export triangles')
     if not points.texts:
         raise MeshFileError(f"'{filename}' has no faces and no vertices: no line begins with 'v '")
     try:
-        return mesh_of(points, faces)
+        mesh = mesh_of(points, faces)
     except (ValueError, IndexError):
         _check_points(points, filename)
         _check_indices(faces, len(points.texts), filename)
         raise
+    parts: dict[str, list[Indices]] = defaultdict(list)
+    of_triangles = np.array(labels, dtype=np.int64)[mesh.faces]
+    for label, part in enumerate(names):
+        if part:
+            parts[part].append(np.flatnonzero(of_triangles == label))
+    return ParsedMesh(
+        mesh.vertices,
+        mesh.triangles,
+        parts={part: np.concatenate(rows) for part, rows in parts.items()},
+    )
 
 
-def mesh_of(points: StatementLines, faces: dict[int, StatementLines]) -> tuple[Floats, Indices]:
-    """Return vertices and triangles; raises ValueError or IndexError for invalid ones.
+def mesh_of(points: StatementLines, faces: dict[int, StatementLines]) -> _Mesh:
+    """Return the mesh of statements; raises ValueError or IndexError for invalid ones.
 
     Faces with as many corners are a material of trimesh, since it keeps the corners of faces that
     are alike, and cuts others into fans.
@@ -119,7 +146,7 @@ def mesh_of(points: StatementLines, faces: dict[int, StatementLines]) -> tuple[F
         rows = places[done : done + len(each.texts)]
         corners[starts[rows][:, None] + np.arange(count)] = by_count[count]
         done += len(each.texts)
-    return vertices, cut_faces(corners, counts, vertices).triangles
+    return _Mesh(vertices, *cut_faces(corners, counts, vertices))
 
 
 def _statements(text: str) -> Iterator[tuple[int, list[str]]]:

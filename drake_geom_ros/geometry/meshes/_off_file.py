@@ -39,7 +39,7 @@ def parse_off(data: bytes) -> ParsedMesh:
         of_kind = faces.setdefault(len(corners), StatementLines([], []))
         of_kind.texts.append(' '.join(str(corner + 1) for corner in corners))
         of_kind.numbers.append(row)
-    return ParsedMesh(*mesh_of(points, faces))
+    return ParsedMesh(*mesh_of(points, faces)[:2])
 
 
 def _point(words: list[str]) -> str:

@@ -292,6 +292,21 @@ def facet_colours(mesh: MeshGiven) -> NDArray[np.float32] | None:
     return _colours_of(mesh_source(mesh))
 
 
+def part_of(mesh: MeshGiven, name: str) -> MeshData:
+    """Return the part of a mesh file that has a name in it, unscaled, with its own vertices.
+
+    Raises MeshFileError as ``hull_vertices``, and for a name that the file does not have.
+    """
+    source = mesh_source(mesh)
+    parts = {} if isinstance(source, MeshData) else _parsed(source).parts
+    if name not in parts:
+        known = ', '.join(map(repr, parts)) or 'none'
+        raise MeshFileError(f'{name_of(source)} has no part {name!r}; its parts are {known}')
+    vertices, triangles = triangles_of(source)
+    used, corners = np.unique(triangles[parts[name]], return_inverse=True)
+    return MeshData(vertices[used], corners.reshape(-1, 3))
+
+
 def remarks_on(mesh: MeshGiven) -> tuple[str, ...]:
     """Return remarks on conversions of a mesh file's numbers, applied or not.
 
