@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.jointed_links import parts_of
-from drake_geom_ros.scene_files.link_tree import UrdfJoint
+from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.registration import register
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.urdf import read_urdf
@@ -60,9 +61,11 @@ _Pairs = set[frozenset[tuple[str, str]]]
 def to_urdf(scene: SceneDescription) -> str:
     """Return the URDF of a scene of one robot; SceneFileError names what the format cannot hold.
 
+    A scene of one body, such as a mesh file, is a robot of one link.
     Mesh files are named by ``file://`` and their absolute path. A joint of several values becomes
     a chain of simple ones, by the names that its values have here (``j/yaw``).
     """
+    scene = _with_robot(scene)
     robot = _only_robot(scene)
     root = etree.Element('robot', name=robot.name, nsmap={'drake': _DRAKE})
     joints = (*_base_joint(robot, scene), *(robot.tree.joints if robot.tree else ()))
@@ -83,6 +86,15 @@ def to_urdf(scene: SceneDescription) -> str:
 def _text(root: Any) -> str:
     etree.indent(root)
     return f'{etree.tostring(root, encoding="unicode")}\n'
+
+
+def _with_robot(scene: SceneDescription) -> SceneDescription:
+    """Return a scene of one body, such as a mesh file, as that of a robot of one link."""
+    if scene.robots or not len(scene.sources) == len(scene.frames) == 1:
+        return scene
+    (name,), (body,) = scene.sources, scene.frames
+    tree = LinkTree(name, (body.name,), ())
+    return replace(scene, robots=(RobotDescription(name, None, RigidTransform(), tree=tree),))
 
 
 def _only_robot(scene: SceneDescription) -> RobotDescription:

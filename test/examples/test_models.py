@@ -12,13 +12,14 @@ from drake_geom_ros.geometry import Role
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
 FOLDER = ROOT / 'examples/models'
-MODELS = sorted(path.name for path in FOLDER.iterdir())
+MODELS = sorted(path.name for path in FOLDER.iterdir() if path.suffix != '.png')
 # Sources, frames, geometries that distances are measured of, and the least distance [m].
 FACTS = {
     'arm.urdf': (1, 3, 3, 0.25 * 5.0**0.5),
     'bracket.obj': (1, 1, 1, None),
     'cart.sdf': (1, 3, 3, 0.35),
     'cell.dmd.yaml': (2, 6, 6, None),
+    'hills.sdf': (1, 2, 2, None),
     'hopper.xml': (1, 3, 4, None),
     'terrain.yaml': (2, 3, 4, None),
     'yard.world': (3, 5, 5, 0.05),
@@ -65,6 +66,15 @@ def test_a_model_is_that_of_pydrake(name):
         warnings.simplefilter('ignore')
         lines = compared(FOLDER / name, [ROOT])
     assert [line for line in lines if 'distance' not in line] == []
+
+
+def test_the_hills_are_as_high_as_their_image_is_bright():
+    """The brightest pixel is (23, 11) of (33, 33), rows from the largest y down."""
+    query = posed('hills.sdf').query
+    top = np.array([-2.0 + 4.0 * 22 / 32, 2.0 - 4.0 * 11 / 32, 0.8])
+    distances = query.ComputeSignedDistanceToPoint(np.array([top, top + [0, 0, 0.1]]))
+    relief = [d for d, p in zip(distances.distance, distances.point_index) if p == 0]
+    assert min(relief) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_terrain_is_beneath_the_arm():

@@ -7,7 +7,7 @@ from oracles.mesh_files import BOX, SIDES
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.geometry.meshes._obj_file import obj_text
-from drake_geom_ros.scene_files import SceneFileError, read_scene, register
+from drake_geom_ros.scene_files import RobotOptions, SceneFileError, read_scene, register
 from drake_geom_ros.scene_files.urdf_writer import to_urdf
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
@@ -206,3 +206,15 @@ def test_several_models_are_refused_by_name():
     several = model.replace('</sdf>', '<model name="b"><link name="l"/></model></sdf>')
     with pytest.raises(SceneFileError, match='2 robots with the sources cart, b'):
         to_urdf(read_scene(several))
+
+
+def test_a_mesh_file_is_a_robot_of_one_link(tmp_path):
+    path = tmp_path / 'part.obj'
+    path.write_text(obj_text(BOX, SIDES))
+    again = read_scene(to_urdf(read_scene(path)))
+    (geometry,) = again.geometries
+    assert [robot.name for robot in again.robots] == ['part']
+    assert (geometry.frame, geometry.name) == ('body', 'mesh')
+    np.testing.assert_array_equal(geometry.shape.surface()[0], BOX)
+    with pytest.raises(SceneFileError, match='mesh/solid'):
+        to_urdf(read_scene(path, options=RobotOptions(solid_meshes=('*',))))
