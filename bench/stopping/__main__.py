@@ -3,6 +3,7 @@
 ::
 
     python -m bench.stopping hour      # an hour by each strategy: docs/accuracy/stopping.csv
+    python -m bench.stopping options   # levels, resolution, budget: docs/accuracy
     python -m bench.stopping page      # the table of docs/stopping.md, and its picture
 
 A run of ten minutes is one seed. Times are of the processes of one run: compare them, do not
@@ -41,7 +42,7 @@ def _write(path: Path, rows: Iterable[dict[str, Any]]) -> None:
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('what', choices=('hour', 'page'))
+    parser.add_argument('what', choices=('hour', 'options', 'page'))
     parser.add_argument('--processes', type=int, default=2)
     options = parser.parse_args()
     if options.what == 'page':
@@ -49,6 +50,11 @@ def main() -> None:
 
         plot(HOUR, DOCS / 'stopping.png')
         print(page_table(HOUR))
+        return
+    if options.what == 'options':
+        from bench.stopping.options import write  # needs matplotlib
+
+        write(DOCS / 'accuracy')
         return
     jobs = [(name, seed) for name in reversed(STRATEGIES) for seed in range(1, 7)]
     with get_context('spawn').Pool(options.processes) as pool:

@@ -7,7 +7,14 @@ import numpy as np
 from bench.stopping.robots import BRAKES, CYCLE, REACTION, SPEEDS, Walker
 from bench.stopping.room import ROBOTS, WALKS, Room
 from drake_geom_ros.math.array_types import Floats
-from drake_geom_ros.stopping import Braking, RobotState, StoppingCheck, StoppingQuestion, robots_of
+from drake_geom_ros.stopping import (
+    Braking,
+    RobotState,
+    Stop,
+    StoppingCheck,
+    StoppingQuestion,
+    robots_of,
+)
 
 MARGIN = 0.05  # [m]
 HEADROOM = 0.9  # of a share that is proved: what is under way stays proved while it falls slowly
@@ -70,17 +77,28 @@ class Stoppable:
 
     def shares(self, robots: list[Walker], places: Floats, age: float) -> list[float]:
         """Return the share of its nominal speed for each robot."""
-        self._room.see(places)
-        states = [
-            RobotState(arm.X_WB, robot.positions, robot.velocities)
-            for arm, robot in zip(self._room.joints.arms, robots, strict=True)
-        ]
-        ages = np.where(np.isin(self._check.ids, self._room.geometries['people']), age, 0.0)
-        stops = self._check.stops(states, ages, CYCLE)
+        stops = self.ask(
+            [robot.positions for robot in robots],
+            [robot.velocities for robot in robots],
+            places,
+            age,
+        )
         return [
             HEADROOM * stop.scale if robot.in_flight <= stop.scale else 0.0
             for stop, robot in zip(stops, robots, strict=True)
         ]
+
+    def ask(
+        self, positions: list[Floats], velocities: list[Floats], places: Floats, age: float
+    ) -> list[Stop]:
+        """Return the answer for each robot."""
+        self._room.see(places)
+        states = [
+            RobotState(arm.X_WB, q, v)
+            for arm, q, v in zip(self._room.joints.arms, positions, velocities, strict=True)
+        ]
+        ages = np.where(np.isin(self._check.ids, self._room.geometries['people']), age, 0.0)
+        return self._check.stops(states, ages, CYCLE)
 
 
 STRATEGIES = {

@@ -115,15 +115,15 @@ class ConfiguredNode:
             live, publishers, settings, lambda: self._stream.active, node.get_logger().warning
         )
         self._beside = {**_beside(publishers), **self._shown.beside}
-        decided = rule_events.effect()
+        decided, proofs = rule_events.effect(), rule_events.StopEffects.fresh()
         self._rules = RuleEvents(
-            RuleTopics.of(publishers), _RULE_MESSAGES, self._rule_settings, decided.did
+            RuleTopics.of(publishers), _RULE_MESSAGES, self._rule_settings, decided.did, proofs
         )
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         judged = trajectory_watch.effect()
         self._watch = _trajectory_watch(live, publishers, node.get_logger(), judged)
-        beside = (*self._beside.values(), self._cameras.beside, decided, judged)
+        beside = (*self._beside.values(), self._cameras.beside, decided, *proofs, judged)
         self._cycle = Cycle(
             messages,
             {name: publishers[f'~/{name}'] for name in CYCLE_TOPICS},

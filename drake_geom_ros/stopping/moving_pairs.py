@@ -13,7 +13,7 @@ from drake_geom_ros.geometry.queries.motion_queries import JointPath, MotionAnsw
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 from drake_geom_ros.stopping.question_pairs import QuestionPairs
 from drake_geom_ros.stopping.robots import RobotState
-from drake_geom_ros.stopping.stop import RESOLUTION, Stop
+from drake_geom_ros.stopping.stop import Stop
 from drake_geom_ros.stopping.stop_paths import StopPath
 
 
@@ -41,8 +41,12 @@ class Judged(NamedTuple):
 class PosedPairs:
     """The pairs (m,) of all questions in one world, posed once a moment."""
 
-    def __init__(self, motions: JointMotions, rows: Indices) -> None:
-        """``rows`` (m,), ascending, are those of the pairs of ``motions``."""
+    def __init__(self, motions: JointMotions, rows: Indices, resolution: float) -> None:
+        """``rows`` (m,), ascending, are those of the pairs of ``motions``.
+
+        ``resolution`` is that of shares.
+        """
+        self.resolution = resolution
         self.rows, self.pairs = rows, np.ascontiguousarray(motions.pairs[rows])
         self._motions, self.queries, self.ids = motions, motions.queries(self.pairs), motions.ids
         self._chain: JointChain | None = None
@@ -123,6 +127,10 @@ class MovingPairs:
         """Return which pairs (k,) move relative to each other with some columns (c,)."""
         return np.asarray((self._bits & np.packbits(columns)).any(axis=1))
 
+    def bodies_of(self, asked: Flags) -> Indices:
+        """Return the places of the bodies of some pairs (k,), each as often as it is in one."""
+        return self._pairs[asked].ravel()
+
     def of(self, stop: Stop) -> Flags:
         """Return the mask (k,) of the pair that an answer names."""
         return np.asarray((self._posed.ids[self._pairs] == (stop.id_A, stop.id_B)).all(axis=1))
@@ -134,7 +142,7 @@ class MovingPairs:
         widest = float((way.reached[1:] - way.reached[:-1]).max()) or 1.0
         question = MotionQuestion(
             min_distance=margin,
-            time_tolerance=0.5 * RESOLUTION / widest,
+            time_tolerance=0.5 * self._posed.resolution / widest,
             max_evaluations=most,
             quick=True,
         )

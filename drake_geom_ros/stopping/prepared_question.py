@@ -71,7 +71,7 @@ class PreparedQuestion:
             MovingPairs(posed, about, which)
             for which in (about.shared, alone & ~about.slow, alone & about.slow)
         )
-        self._travel = travel
+        self._travel, self._posed = travel, posed
         self._profiled: tuple[Moment, StopProfile | None] | None = None
 
     def stop(self, moment: Moment, every: Sequence[PreparedQuestion], most: int) -> Stop:
@@ -85,18 +85,20 @@ class PreparedQuestion:
             return unproved(parts)
         stop = boxed = FREE
         done = list[_Part]()
+        looked: Flags = np.zeros(len(self._posed.rows), dtype=np.bool_)
         for part in parts:
             # Only the shares that all pairs before allow matter any more.
             limited = part._replace(profile=part.profile.until(stop.scale))
             if part.along:
-                answer = self._along_path(moment, limited, most)
+                answer = self._along_path(moment, limited, most, looked)
             else:
-                answer = self._in_boxes(moment, limited, most)
+                answer = self._in_boxes(moment, limited, most, looked)
                 boxed = worse(boxed, answer)
             stop = worse(stop, answer)
             done.append(part)
             if stop.scale == 0.0:
                 break
+        stop = self._counted(stop, parts, profile, looked)
         if stop.scale >= 1.0 or profile.fastest < 1.0:
             return stop
         if boxed.clear:
@@ -106,6 +108,23 @@ class PreparedQuestion:
             return stop._replace(least_clearance=least)
         seconds = min(part.profile.seconds_within(stop.scale) for part in done)
         return stop._replace(contact_time=seconds)
+
+    def _counted(
+        self, stop: Stop, parts: Sequence[_Part], profile: StopProfile, looked: Flags
+    ) -> Stop:
+        """Return an answer with the bodies and joints that did not matter to it.
+
+        ``looked`` (m,) flags the pairs in one world that were looked at.
+        """
+        bodies, near = np.zeros((2, len(self._ids)), dtype=np.bool_)
+        for part in parts:
+            bodies[part.pairs.bodies_of(part.asked)] = True
+        near[self._posed.pairs[looked].ravel()] = True
+        mine = looked[np.searchsorted(self._posed.rows, self._about.rows)]
+        busy = self._about.relative[mine].any(axis=0)
+        idle = self._own & (profile.velocities != 0.0) & ~busy
+        far = int(np.count_nonzero(bodies & ~near))
+        return stop._replace(far_bodies=far, idle_joints=int(np.count_nonzero(idle)))
 
     def _parts(
         self, moment: Moment, profile: StopProfile, every: Sequence[PreparedQuestion]
@@ -282,20 +301,26 @@ class PreparedQuestion:
             together = joined(together, profile)
         return together._replace(velocities=np.where(self._about.others, together.velocities, 0.0))
 
-    def _along_path(self, moment: Moment, part: _Part, most: int) -> Stop:
-        """Return the answer about pairs whose columns brake along their path."""
+    def _along_path(self, moment: Moment, part: _Part, most: int, looked: Flags) -> Stop:
+        """Return the answer about pairs whose columns brake along their path.
+
+        ``looked`` gets the pairs that were looked at.
+        """
         margin, way = self.question.margin, path_over_shares(moment.values, part.profile)
         judged = part.pairs.follow(moment, way, part.asked, margin, most)
+        looked |= judged.examined
         return part.pairs.stop(way, judged, part.asked, most)
 
-    def _in_boxes(self, moment: Moment, part: _Part, most: int) -> Stop:
+    def _in_boxes(self, moment: Moment, part: _Part, most: int, looked: Flags) -> Stop:
         """Return the answer about pairs whose columns stop each by itself.
 
         An edge that is not proved is looked at again in parts, whose boxes are smaller.
+        ``looked`` gets the pairs that were looked at.
         """
         asked, profile, margin = part.asked, part.profile, self.question.margin
         way = boxes_over_shares(moment.values, profile)
         judged = part.pairs.follow(moment, way, asked, margin, most)
+        looked |= judged.examined
         stop = part.pairs.stop(way, judged, asked, most)
         if judged.answer.outcome == 'clear':
             return stop

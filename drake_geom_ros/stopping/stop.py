@@ -70,6 +70,8 @@ class Stop(NamedTuple):
     oldest_pose_age: float = 0.0  # [s] of the bodies that it is about
     pairs: int = 0  # that were looked at
     far_pairs: int = 0  # that cannot meet within the stopping time, by their boxes
+    far_bodies: int = 0  # of those that it is about, in no pair that was looked at
+    idle_joints: int = 0  # columns that brake and move no pair that was looked at
     evaluations: int = 0
     trouble: str = ''  # why nothing is proved; empty: it was looked at
 
@@ -96,6 +98,8 @@ def worse(stop: Stop, other: Stop) -> Stop:
         contact_time=min(stop.contact_time, other.contact_time),
         pairs=stop.pairs + other.pairs,
         far_pairs=stop.far_pairs + other.far_pairs,
+        far_bodies=stop.far_bodies + other.far_bodies,
+        idle_joints=stop.idle_joints + other.idle_joints,
         evaluations=stop.evaluations + other.evaluations,
         trouble=first.trouble or second.trouble,
     )

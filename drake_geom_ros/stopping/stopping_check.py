@@ -22,7 +22,7 @@ from drake_geom_ros.stopping.moving_pairs import Moment, PosedPairs
 from drake_geom_ros.stopping.prepared_question import PreparedQuestion
 from drake_geom_ros.stopping.question_pairs import QuestionPairs
 from drake_geom_ros.stopping.robots import BrakedJoints, Columns, Robot, RobotState, braked_joints
-from drake_geom_ros.stopping.stop import Stop, StoppingQuestion
+from drake_geom_ros.stopping.stop import RESOLUTION, Stop, StoppingQuestion
 from drake_geom_ros.stopping.travel import BodyTravel
 from drake_geom_ros.stopping.unmapped import FindUnmapped
 
@@ -45,11 +45,13 @@ class StoppingCheck:
         max_evaluations: Of pairs by kernels, for each path; 0: no limit. An answer that would
             need more is not proved.
         resting: Id values of frames that do not move, beside those welded to the world.
+        resolution: Of scales, from 0 to 1.
         may_wait: Let a question that names what is not there be answered by a ``trouble``.
 
     Raises:
         BrakingError: A braking names joints that are not there.
-        ArgumentError: Nothing of a question's ``set_a`` is moved by its joints.
+        ArgumentError: Nothing of a question's ``set_a`` is moved by its joints, or the resolution
+            is no share.
     """
 
     def __init__(
@@ -61,12 +63,15 @@ class StoppingCheck:
         max_evaluations: int = EVALUATIONS,
         resting: Collection[int] = (),
         *,
+        resolution: float = RESOLUTION,
         may_wait: bool = False,
     ) -> None:
+        if not 0.0 < resolution <= 1.0:
+            raise ArgumentError(f'resolution={resolution!r} must be > 0 and at most 1')
         self._context, self._robots = context, tuple(robots)
         self._questions, self._accuracy = tuple(questions), accuracy
         self._resting, self._most = tuple(resting), max_evaluations
-        self._may_wait = may_wait
+        self._may_wait, self._resolution = may_wait, resolution
         self._prepare()
 
     @property
@@ -133,7 +138,7 @@ class StoppingCheck:
             for question, row in zip(self._questions, own, strict=True)
         ]
         rows = np.unique(np.concatenate([np.zeros(0, np.int64), *(each.rows for each in about)]))
-        posed = self._posed = PosedPairs(self._motions, rows)
+        posed = self._posed = PosedPairs(self._motions, rows, self._resolution)
         travel = self._travel = BodyTravel(posed)
         self._prepared = [
             PreparedQuestion(question, joints, self._columns, its_pairs, posed, travel)

@@ -215,6 +215,44 @@ def test_a_change_of_the_scene_is_noticed(cell):
     assert len(before) == len(after) == 2
 
 
+def test_what_cannot_matter_within_the_braking_time_is_counted():
+    it = StoppingCell(BRAKING, max_speed=0.0)
+    moment = it.moment(np.random.default_rng(13))
+    far = np.array([[9.0, 9, 0.5, 0, 0, 0, 1]] * 2)
+    q, v = np.zeros_like(moment.positions), np.zeros_like(moment.velocities)
+    v[it.joints.names.index('left::roll')] = 0.1
+    left, right = it.stops(moment._replace(positions=q, velocities=v, people=far))
+    assert (left.clear, left.pairs, left.idle_joints) == (True, 0, 1)
+    assert left.far_bodies > len(it.own['person'])
+    assert (right.far_bodies, right.idle_joints) == (0, 0)  # it stands: it is about nothing
+    near = far.copy()
+    near[1, :3] = [0.35, 0.0, 0.7]
+    v[:] = 0.0
+    v[it.joints.names.index('left::turn')] = 1.5
+    left, _ = it.stops(moment._replace(positions=q, velocities=v, people=near))
+    assert (left.pairs > 0, left.idle_joints) == (True, 0)
+
+
+@pytest.mark.parametrize('resolution', [0.0, -1.0, 2.0, math.nan])
+def test_a_resolution_that_is_no_share_is_refused(cell, resolution):
+    question = StoppingQuestion(BRAKING, cell.own['left'])
+    with pytest.raises(ArgumentError, match='resolution='):
+        StoppingCheck(cell.context, cell.robots, [question], resolution=resolution)
+
+
+def test_a_finer_resolution_raises_the_scale_by_less_than_the_coarser_one(cell):
+    rng = np.random.default_rng(14)
+    question = StoppingQuestion(BRAKING, cell.own['left'], cell.own['person'], 0.02, 1.0)
+    coarse, fine = (
+        StoppingCheck(cell.context, cell.robots, [question], resolution=share)
+        for share in (0.2, 0.002)
+    )
+    for _ in range(40):
+        moment = cell.moment(rng)
+        (rough,), (sharp,) = cell.stops(moment, coarse), cell.stops(moment, fine)
+        assert rough.scale <= sharp.scale <= rough.scale + 0.2
+
+
 def equal(stop, other):
     """Return whether two answers have the same bits."""
     return all(

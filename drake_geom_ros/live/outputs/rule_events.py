@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from drake_geom_ros.geometry import SignedDistanceResults
 from drake_geom_ros.live.conversions.proximity_rules import (
@@ -27,6 +29,7 @@ from drake_geom_ros.proximity_rules import Event, ProximityRule
 from drake_geom_ros.stopping import Stop
 
 _NO_RULE = 'no proximity rule'
+_NO_STOPPABLE = 'no rule of level stoppable'
 # [s] at most between two decisions, and two values of the scale: poses may stop to come.
 PERIOD = 0.05
 # [s] at least between two messages of states: they bear all rules, and who comes late hears the
@@ -85,6 +88,34 @@ def effect() -> Beside:
     return Beside('decide proximity rules', lambda: _NO_RULE)
 
 
+class StopEffects(NamedTuple):
+    """Rows of ~/cycle_report about the proofs of stoppable rules, added up over all rules."""
+
+    looked: Beside  # pairs
+    far_pairs: Beside
+    far_bodies: Beside
+    idle_joints: Beside
+
+    @classmethod
+    def fresh(cls) -> StopEffects:
+        """Return rows in which nothing is counted yet."""
+        names = (
+            'prove stops: pairs',
+            'leave out of stops: pairs that are too far',
+            'leave out of stops: bodies that are too far',
+            'leave out of stops: joints that move no near body',
+        )
+        return cls(*(Beside(name, lambda: _NO_STOPPABLE) for name in names))
+
+    def did(self, stops: Iterable[Stop], seconds: float) -> None:
+        """Count the answers of one decision, which took so long [s]."""
+        counts = np.sum(
+            [(s.pairs, s.far_pairs, s.far_bodies, s.idle_joints) for s in stops], axis=0
+        )
+        for row, count, spent in zip(self, counts.tolist(), (seconds, 0, 0, 0), strict=True):
+            row.did(count, spent)
+
+
 class RuleEvents:
     """Decides about the rules of the live scene and publishes their states and events."""
 
@@ -94,11 +125,13 @@ class RuleEvents:
         types: RuleMessages,
         settings: Callable[[], RuleSettings],
         did: Callable[[int, float], None],
+        stop_effects: StopEffects | None = None,
     ) -> None:
         """``types`` holds the message classes, ``settings()`` is called at each decision.
 
         ``did(pairs, seconds)`` is called for each decision, with the pairs that it alone needed.
         """
+        self._stop_effects = stop_effects
         self._topics, self._types = topics, types
         self._settings, self._did = settings, did
         self._decided = -math.inf  # [s] of steady time
@@ -162,7 +195,11 @@ class RuleEvents:
             delay = self._period
         self._decided = now
         sensed = Sensed(scene.maps.shells(), scene.maps.sights())
-        return scene.stopping.stops(twists, self._settings().stale_after, delay, sensed)
+        start = time.perf_counter()
+        stops = scene.stopping.stops(twists, self._settings().stale_after, delay, sensed)
+        if stops and self._stop_effects is not None:
+            self._stop_effects.did(stops.values(), time.perf_counter() - start)
+        return stops
 
     def forget(self) -> None:
         """Publish the states anew, for subscribers that received nothing meanwhile."""
