@@ -27,6 +27,14 @@ _OTHERS = {
     'mujocoinclude': 'this is a part of MJCF; load the model that includes it',
     'COLLADA': 'this is a mesh; name it in a URDF or a scene file',
 }
+# Beginnings and keys of files that are no XML.
+_MESH = 'this is a mesh; name it in a URDF or a scene file, or load it as a scene'
+_BINARY_MESHES = ('.stl', '.glb', '.ply', '.3mf')
+_OTHER_TEXTS = {
+    rb'\A(?:ply\s|solid\s|C?OFF\s|glTF|(?:\s|#[^\n]*\n)*(?:mtllib|usemtl|[vog])\s)': _MESH,
+    rb'^directives:': 'these are model directives; load them as a scene',
+    rb'^(?:robots|sources|frames|geometries):': 'this is a scene file; load it as a scene',
+}
 _PROLOGUE = re.compile(rb'(?:\s|<\?.*?\?>|<!--.*?-->|<![^-].*?>)*<([^\s/>]+)', re.DOTALL)
 # Prefixes that files of Drake's and ROS's users leave undeclared.
 _PREFIXES = {
@@ -98,6 +106,8 @@ def read_xml(data: bytes, file: str, tag: str) -> Any:
         root = _parsed(text)
     except etree.XMLSyntaxError as error:
         line = (error.lineno or 1) + above
+        if kind := _other_kind(text, file):
+            raise SceneFileError(kind, file) from error
         raise SceneFileError(f'not XML: {_reason(error, text)}', file, line) from error
     if above:
         for element in root.iter():
@@ -143,6 +153,14 @@ def prefix_warning(root: Any, file: str) -> tuple[str, ...]:
         f'xmlns:{name}="{_PREFIXES[name]}"'
     )
     return (str(place_of(root, file).error(warning)),)
+
+
+def _other_kind(text: bytes, file: str) -> str:
+    """Return a remark about a file of another format that is no XML; empty if none is known."""
+    if file.lower().endswith(_BINARY_MESHES):
+        return _MESH
+    kinds = (kind for key, kind in _OTHER_TEXTS.items() if re.search(key, text, re.MULTILINE))
+    return next(kinds, '')
 
 
 def _reason(error: etree.XMLSyntaxError, text: bytes) -> str:

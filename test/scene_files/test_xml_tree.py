@@ -59,6 +59,11 @@ def test_an_attribute_must_be_there():
     [
         (b'', 'r.urdf: it is empty'),
         (b' ', 'r.urdf:1: not XML'),
+        (b'# a part\nv 0 0 0\n', 'r.urdf: this is a mesh; name it in a URDF'),
+        (b'solid part\n', 'r.urdf: this is a mesh; name it'),
+        (b'ply\nformat ascii 1.0\n', 'r.urdf: this is a mesh'),
+        (b'# two\ndirectives:\n- add_model: {}\n', 'r.urdf: these are model directives; load'),
+        (b'sources: [a]\nrobots: []\n', 'r.urdf: this is a scene file; load it as a scene'),
         (b'<robot>\n<link></robot>', 'r.urdf:2: not XML: Opening and ending tag mismatch'),
         (b'<sdf/>', 'r.urdf:1: this is SDF; load it as a scene'),
         (b'<bot/>', 'r.urdf:1: bot: root element <bot>; must be <robot>'),
@@ -67,6 +72,11 @@ def test_an_attribute_must_be_there():
 )
 def test_what_is_no_robot_file_is_refused(data, message):
     assert fault(data).startswith(message)
+
+
+def test_a_binary_mesh_is_known_by_its_suffix():
+    with pytest.raises(SceneFileError, match=r'part\.STL: this is a mesh; name it'):
+        read_robot_xml(bytes(range(200, 256)), 'part.STL')
 
 
 def test_entities_are_refused_whatever_they_stand_for(tmp_path):
