@@ -214,7 +214,7 @@ make_venv() {
   local base
   base=$("$python" -S -c 'import sys; print("%s/bin/python%d.%d" % (
     sys.base_prefix, *sys.version_info[:2]))')
-  rm -rf "$venv" "$builds"/{drake_geom,tf2,octomap,shape,object_recognition,moveit}_msgs "$prefix" "${tf2_msgs%/*}"
+  rm -rf "$venv" "$builds"/{drake_geom,tf2,nav,octomap,shape,object_recognition,moveit}_msgs "$prefix" "${tf2_msgs%/*}"
   # A ROS distribution's Python modules are the system's; they must stay visible.
   "$base" -m venv ${underlay:+--system-site-packages} "$venv"
   if [[ -n $underlay ]]; then "$venv/bin/python" -c 'import rclpy'; fi
@@ -346,9 +346,9 @@ build_messages() {
   build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only
 }
 
-# The messages of TF, of OctoMap and of MoveIt, which distributions bring and no wheel; those that
+# The messages of TF, of occupancy grids, of OctoMap and of MoveIt, which distributions bring and no wheel; those that
 # others are made of come first.
-test_messages=({tf2,octomap,shape,object_recognition,moveit}_msgs)
+test_messages=({tf2,nav,octomap,shape,object_recognition,moveit}_msgs)
 
 build_tf2_msgs() {
   prepare_environment

@@ -22,6 +22,8 @@ CLOUD = 'sensor_msgs/msg/PointCloud2'
 IMAGE = 'sensor_msgs/msg/Image'
 SCAN = 'sensor_msgs/msg/LaserScan'
 OCTOMAP = 'octomap_msgs/msg/Octomap'
+GRID = 'nav_msgs/msg/OccupancyGrid'
+RANGE = 'sensor_msgs/msg/Range'
 
 _ENCODINGS = 'ros2msg', 'ros2idl', 'omgidl', 'unknown', ''  # the last two use ROS's definitions
 _BETWEEN = f'{"=" * 80}\n'  # separator of definitions in one text

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.message_types import CLOUD, IMAGE, OCTOMAP, SCAN
+from drake_geom_ros.recordings.message_types import CLOUD, GRID, IMAGE, OCTOMAP, RANGE, SCAN
 from drake_geom_ros.recordings.raw_messages import RecordedTopic
 from drake_geom_ros.recordings.recording_topics import Topics, few_of
 
 _BY_DEFAULT = (CLOUD, IMAGE, OCTOMAP)  # types of messages from which a node makes maps
-_SENSED = (*_BY_DEFAULT, SCAN)  # of scans only where its scene names the topic
+_SENSED = (*_BY_DEFAULT, SCAN, RANGE, GRID)  # of these only where its scene names the topic
 
 
 def maps_in(

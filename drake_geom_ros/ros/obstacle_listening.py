@@ -36,12 +36,14 @@ from drake_geom_ros.live.scene.map_sources import ListedSource, MapSources, Name
 from drake_geom_ros.live.scene.pose_history import PoseHistory
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import CallbackGroups
+from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.sensing.process import SensingProcess
 from drake_geom_ros.ros.sensing.protocol import (
     CAMERA,
     CLOUD,
+    CONE,
     IMAGE,
     SCAN,
     SENSORS,
@@ -52,26 +54,29 @@ from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.scene_files import (
     DEPTH_IMAGE,
     LASER_SCAN,
+    MAPS,
     OCTOMAP,
     POINT_CLOUD,
+    RANGE,
     ObstacleSource,
 )
 from drake_geom_ros.sensed_maps.passes import compile_passes
 from drake_geom_ros.sensed_maps.tree_walk import compile_tree_walk
 
-_LATE_PERIOD = 0.02  # [s] between two looks whether the poses of OctoMaps that wait have come
+_GRID = 'nav_msgs/msg/OccupancyGrid'
+_LATE_PERIOD = 0.02  # [s] between two looks whether the poses of maps that wait have come
 
 
 def _sensed(source: ObstacleSource) -> list[tuple[str, str]]:
     """Return what a process of its own listens to: what comes there, and the topic."""
     if source.type == DEPTH_IMAGE:
         return [(CAMERA, camera_info_of(source.topic)), (IMAGE, source.topic)]
-    kinds = {POINT_CLOUD: CLOUD, LASER_SCAN: SCAN}
+    kinds = {POINT_CLOUD: CLOUD, LASER_SCAN: SCAN, RANGE: CONE}
     return [(kinds[source.type], source.topic)] if source.type in kinds else []
 
 
 class ObstacleListening:
-    """The inputs of maps: a process for clouds and images, subscriptions for OctoMaps."""
+    """The inputs of maps: a process for clouds, scans and images, subscriptions for maps."""
 
     def __init__(
         self,
@@ -90,7 +95,7 @@ class ObstacleListening:
         self._hanging = SensorFrames(lambda: stream.inputs.tf)
         self._sources = dict(sources)
         self.inputs = {name: self._input_of(each.source) for name, each in sources.items()}
-        self._octomaps: dict[str, Subscription[Any]] = {}
+        self._maps: dict[str, Subscription[Any]] = {}  # of sources that send maps
         self._late = LateMessages()
         self._process: SensingProcess | None = None
         with live.editing() as scene:
@@ -184,7 +189,7 @@ class ObstacleListening:
 
         def told_apart(name: str) -> float:
             source = sources.get(name)
-            if source is None or source.type == OCTOMAP:
+            if source is None or source.type in MAPS:
                 return 0.0
             return settings_of(source, now()).told_apart
 
@@ -224,12 +229,12 @@ class ObstacleListening:
             task = Task(f'{name}{SENSORS}', space or '/', self._surface.enclave(), sensed)
             self._process = SensingProcess(task, self.inputs, self._guard)
             self._surface.until_closed(self._process.close)  # where opening others fails
-        octomaps = {source.name: source for source in sources if source.type == OCTOMAP}
-        for name in self._octomaps.keys() - octomaps.keys():
-            self._surface.close_subscription(self._octomaps.pop(name))
+        maps = {source.name: source for source in sources if source.type in MAPS}
+        for name in self._maps.keys() - maps.keys():
+            self._surface.close_subscription(self._maps.pop(name))
             self._late.forget(name)
-        for name in octomaps.keys() - self._octomaps.keys():
-            self._octomaps[name] = self._listen(octomaps[name])
+        for name in maps.keys() - self._maps.keys():
+            self._maps[name] = self._listen(maps[name])
 
     def _is_added(self, source: ObstacleSource) -> bool:
         return self._sources[source.name].origin == Origin.SERVICE
@@ -262,9 +267,11 @@ class ObstacleListening:
         return never + [trouble for each in self.inputs.values() for trouble in each.troubles()]
 
     def _listen(self, source: ObstacleSource) -> Subscription[Any]:
-        """Open the topic of an OctoMap."""
+        """Open the topic of a source that sends maps."""
         told_as, profile = source.topic.removeprefix('~/'), _profile(source)
-        take = self.inputs[source.name].take_octomap
+        its_map = self.inputs[source.name]
+        is_tree = source.type == OCTOMAP
+        take = its_map.take_octomap if is_tree else its_map.take_grid
 
         def hear(message: Any, info: MessageInfo) -> None:
             def attempt() -> None:
@@ -280,7 +287,11 @@ class ObstacleListening:
             self._late.take(source.name, attempt, refuse, profile.depth)
 
         return self._surface.subscription(
-            *(topics.OCTOMAP.type(), source.topic, hear, profile, self._group),
+            topics.OCTOMAP.type() if is_tree else message_class(_GRID),
+            source.topic,
+            hear,
+            profile,
+            self._group,
             comes_and_goes=self._is_added(source),
         )
 

@@ -11,14 +11,21 @@ from drake_geom_ros.scene_files.schema import check_schema, scene_schema
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml
 
 LASER_SCAN, POINT_CLOUD = 'laser_scan', 'point_cloud'
-DEPTH_IMAGE, OCTOMAP = 'depth_image', 'octomap'
-TYPES = (LASER_SCAN, POINT_CLOUD, DEPTH_IMAGE, OCTOMAP)
+DEPTH_IMAGE, RANGE = 'depth_image', 'range'
+OCTOMAP, OCCUPANCY_GRID = 'octomap', 'occupancy_grid'
+TYPES = (LASER_SCAN, POINT_CLOUD, DEPTH_IMAGE, RANGE, OCTOMAP, OCCUPANCY_GRID)
+MAPS = OCTOMAP, OCCUPANCY_GRID  # their messages are maps already
+FREE, OCCUPIED = 'free', 'occupied'
 RESERVED = 'file'  # the map that load_obstacles makes
-# Keys of sources whose messages are points; the cells of an OctoMap are taken as they are.
-_OF_POINTS = (
-    *('resolution', 'range', 'keep', 'keep_hidden', 'rays', 'noise', 'padding'),
-    *('least_points', 'extrude'),
-)
+# The types of sources that each key is for, of keys that are not for all.
+_OF_POINTS = tuple(kind for kind in TYPES if kind not in MAPS)
+_TYPES_OF_KEYS = {
+    **dict.fromkeys(('resolution', 'range', 'keep', 'keep_hidden', 'rays'), _OF_POINTS),
+    **dict.fromkeys(('noise', 'padding', 'least_points'), _OF_POINTS),
+    'extrude': (*_OF_POINTS, OCCUPANCY_GRID),
+    'may_be_empty': (POINT_CLOUD, DEPTH_IMAGE),
+    **dict.fromkeys(('threshold', 'unknown'), (OCCUPANCY_GRID,)),
+}
 _NO_KEYS = ('name', 'where', 'paddings')
 _SECTION = 'obstacle_sources'
 _DEFAULT = 'default'  # key of the padding of all bodies without one of their own
@@ -48,6 +55,9 @@ class ObstacleSource:
     - ``range``: points farther from the sensor are left out.
     - ``keep_hidden``: how long cells in the shadow of a body stay after they were seen last.
     - ``paddings``: those of bodies, by name or pattern; of those that fit the last one counts.
+    - ``may_be_empty``: a message without points shows that nothing is there.
+    - ``threshold``, ``unknown``: the least value of occupied cells of an occupancy grid, and
+      whether its unknown cells count as FREE or OCCUPIED.
     - ``extrude``: heights (low, high) in the world that each seen cell stands for.
     - ``qos``: policies of its subscription.
     """
@@ -69,6 +79,9 @@ class ObstacleSource:
     paddings: tuple[tuple[str, float], ...] = ()
     least_points: int | None = None
     extrude: tuple[float, float] | None = None
+    may_be_empty: bool | None = None
+    threshold: int | None = None
+    unknown: str | None = None
     qos: SourceQos = _USUAL
     where: Location = field(default=Location('<scene>'), compare=False)
 
@@ -119,13 +132,13 @@ def _source(document: Document, name: str, plain: Mapping[str, Any]) -> Obstacle
         raise where.error(
             f'{name!r} is the map that load_obstacles makes; give the source another name'
         )
-    if plain['type'] == OCTOMAP:
-        for key in _OF_POINTS:
-            if key in plain:
-                raise document.at(*path, key).error(
-                    f'{key} is of points, and the cells of an {OCTOMAP} are taken as they are; '
-                    'leave it out'
-                )
+    for key in plain:
+        types = _TYPES_OF_KEYS.get(key, TYPES)
+        if plain['type'] not in types:
+            raise document.at(*path, key).error(
+                f'{key} is for {", ".join(types)}, and {name} is of type {plain["type"]}; '
+                'leave it out'
+            )
     box, extrude = plain.get('box'), plain.get('extrude')
     if box is not None and not all(low < high for low, high in zip(box, box[3:], strict=False)):
         raise document.at(*path, 'box').error(

@@ -8,7 +8,7 @@ import pytest
 from drake_geom_msgs import msg, srv
 from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, refused
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import LaserScan, Range
 from std_msgs.msg import Header
 
 pytestmark = pytest.mark.topics
@@ -216,11 +216,9 @@ def test_a_sensor_whose_poses_never_come_delays_no_other(base):
 
 def test_a_sensor_that_sees_only_the_robot_is_stale_and_not_free(base):
     base.until(lambda: base.near() == (False, 0), 'both far')
-    on_hull = 0.2  # [m] its side, which rays straight ahead meet
+    on_hull = [0.2 / math.cos(0.1 * k - 0.4) for k in range(RAYS)]  # [m] its side
     stale = True, msg.ProximityEvents.STALE
-    base.until(
-        lambda: base.near() == stale, 'scans of the robot alone', front=[math.inf] * 4 + [on_hull]
-    )
+    base.until(lambda: base.near() == stale, 'scans of the robot alone', front=on_hull)
     base.until(lambda: base.near() == (False, 0), 'it sees more again')
 
 
@@ -244,3 +242,66 @@ def test_two_drivers_that_alternate_hide_nothing_from_each_other(base):
     base.client.node.destroy_publisher(other)
     accepted(base.client.call(srv.ClearObstacles, 'clear_obstacles', map='front'))
     base.until(lambda: base.near() == (False, 0), 'one driver')
+
+
+def test_a_scan_without_an_echo_is_clear_and_fresh(base):
+    base.until(lambda: base.near() and base.near()[0], 'near behind', rear=[0.25] * RAYS)
+    nothing = [math.inf] * RAYS
+
+    def is_empty():
+        cells = base.cells()
+        return base.near() == (False, 0) and not (cells['front'] or cells['rear'])
+
+    base.until(is_empty, 'nobody around', nothing, nothing)
+    assert base.results[-1].waiting_frames == ['obstacles::spare']
+    answer = accepted(base.client.call(srv.HasCollisions, 'has_collisions'))
+    assert not answer.has_collisions
+
+
+def test_ranges_and_occupancy_grids_are_maps(base):
+    """A thing ahead at 1 m by sonar, and one aside at 2 m on a costmap."""
+    Grid = pytest.importorskip('nav_msgs.msg').OccupancyGrid
+    call, node = base.client.call, base.client.node
+    added = {
+        'sonar': '{type: range, topic: /scanned/sonar, frame: body}',
+        'costs': '{type: occupancy_grid, topic: /scanned/costs, extrude: [0, 1], threshold: 100}',
+    }
+    for name, settings in added.items():
+        accepted(call(srv.AddObstacleSource, 'add_obstacle_source', name=name, settings=settings))
+    sonar = node.create_publisher(Range, '/scanned/sonar', 10)
+    costs = node.create_publisher(Grid, '/scanned/costs', 10)
+    data = array.array('b', [0] * 2500)
+    data[45 * 50 + 25], data[25 * 50 + 45] = 100, 99  # 0.1 m cells from (-2.5, -2.5) on
+
+    def seen(range_, data):
+        header = base.header()
+        sonar.publish(
+            Range(
+                header=header, range=range_, min_range=0.1, max_range=3.0, field_of_view=0.2
+            )
+        )  # fmt: skip
+        grid = Grid(header=Header(stamp=header.stamp, frame_id='world'), data=data)
+        grid.info.resolution, grid.info.width, grid.info.height = 0.1, 50, 50
+        grid.info.origin.position.x = grid.info.origin.position.y = -2.5
+        costs.publish(grid)
+        return base.near() == (False, 0)
+
+    def distance(name):
+        pair = {'geometry_a': f'obstacles::{name}/map', 'geometry_b': 'base::body/hull'}
+        return call(srv.ComputeSignedDistancePair, 'compute_signed_distance_pair', **pair)
+
+    base.until(lambda: seen(1.0, data) and all(map(base.cells().get, added)), 'both maps')
+    assert accepted(distance('sonar')).result.distance[0] == pytest.approx(0.8, abs=0.05)
+    # The lethal cell alone: from 2.0 m on along y.
+    assert accepted(distance('costs')).result.distance[0] == pytest.approx(1.8, abs=1e-5)
+    none = array.array('b', [0] * 2500)
+
+    def is_empty():
+        seen(math.inf, none)
+        cells = base.cells()
+        return not (cells['costs'] or cells['sonar'])
+
+    base.until(is_empty, 'nothing there')
+    for name in added:
+        refused(distance(name), 'is a map without cells, which is at no distance from anything')
+        accepted(call(srv.RemoveObstacleSource, 'remove_obstacle_source', name=name))

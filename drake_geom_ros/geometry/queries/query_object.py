@@ -36,6 +36,7 @@ from drake_geom_ros.geometry.queries.query_results import (
     SignedDistanceResults,
 )
 from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
+from drake_geom_ros.geometry.shapes.sensed import SensedMap
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Indices
 from drake_geom_ros.math.missing import refuse_missing_member
@@ -173,7 +174,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
     def num_waiting_geometries(self) -> int:
         """Return the number of geometries with the proximity role that are not placed."""
-        return int(np.count_nonzero(self._state.up_to_date_world().waiting))
+        return int(np.count_nonzero(self._state.up_to_date_world().unplaced()))
 
     def X_WGs(self, ids: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of geometries by the values (k,) of their ids.
@@ -347,6 +348,11 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
             )
         for record in records:
             state.placed_frame(record.frame_id)
+            if isinstance(record.shape, SensedMap) and not record.shape.count():
+                raise GeometryError(
+                    f"{what} was asked for, but '{record.name}' is a map without cells, which is "
+                    'at no distance from anything.'
+                )
         world = state.posed_world()
         pair = world.geometry_rows(np.array([keys], dtype=np.int64))
         start = None if hint is None else _checked_hint(hint)

@@ -67,10 +67,11 @@ def CalcVolume(shape: Shape) -> float:
 
 
 def CalcObb(shape: Shape) -> Obb | None:
-    """Return the oriented box around a shape, in its frame; None for a half space.
+    """Return the oriented box around a shape, in its frame.
 
-    For a Mesh or a Convex it is the smallest box with a side in a face of the hull; for a sensed
-    map it is axis-aligned. Raises MeshFileError for a file that cannot be read.
+    It is None for a half space, and for a sensed map without cells. For a Mesh or a Convex it is
+    the smallest box with a side in a face of the hull; for a sensed map it is axis-aligned. Raises
+    MeshFileError for a file that cannot be read.
     """
     checked_type(shape, Shape, 'CalcObb: shape')
     if isinstance(shape, HalfSpace):
@@ -79,6 +80,8 @@ def CalcObb(shape: Shape) -> Obb | None:
         mesh = shape.surface() if isinstance(shape, Mesh) else shape.hull_surface()
         return _around(mesh[0])
     if isinstance(shape, SensedMap):
+        if not shape.count():
+            return None
         low, high = shape.box()
         return Obb(RigidTransform(0.5 * (low + high)), 0.5 * (high - low))
     centre = [0.0, 0.0, 0.0]

@@ -56,17 +56,20 @@ class SensedMap(Shape):
 
     def _prepared(self, margin: float) -> PackedShape:
         # Imported here: only scenes with maps need it.
-        from drake_geom_ros.geometry._proximity.kernels.sensed.packing import map_parameters
+        from drake_geom_ros.geometry._proximity.kernels.sensed.packing import HULL, map_parameters
+        from drake_geom_ros.geometry._proximity.kernels.shapes.maps import COUNT
 
         packed = self._packed.get(margin)
         if packed is None:
-            parameters = map_parameters(self._positions, self._cell(margin))
+            some = self._positions if self.count() else np.zeros((1, 3))  # a tree has a box
+            parameters = map_parameters(some, self._cell(margin))
+            parameters[HULL + COUNT] = self.count()
             packed = PackedShape(self._TYPE, parameters)
             self._packed = {margin: packed}
         return packed
 
     def box(self) -> tuple[Floats, Floats]:
-        """Return the smallest and the largest coordinates (3,), (3,) [m] of the union."""
+        """Return the smallest and largest coordinates (3,), (3,) [m] of a union that has cells."""
         columns = self._positions.T  # NumPy is ten times as fast along this axis
         low, high = np.array([(c.min(), c.max()) for c in columns]).T
         return low - self._cell(0.0), high + self._cell(0.0)
@@ -96,14 +99,13 @@ class SensedMap(Shape):
             raise ArgumentTypeError(f'{kind}: {name} are no numbers (n, 3): {problem}') from None
         if array.ndim != 2 or array.shape[1] != 3:
             raise ArgumentError(f'{kind}: {name} {array.shape} must be (n, 3)')
-        if not 1 <= len(array) <= MOST_CELLS:
+        if len(array) > MOST_CELLS:
             raise ArgumentError(
-                f'{kind}: {len(array)} {name} were given, and there must be 1 to {MOST_CELLS}; a '
-                'map without cells is no geometry, and a larger one is to be made coarser'
+                f'{kind}: {len(array)} {name} were given, and there may be at most {MOST_CELLS}; '
+                'make a larger map coarser'
             )
-        if (
-            not -FARTHEST_CELL <= array.min() <= array.max() <= FARTHEST_CELL
-        ):  # nor where one is NaN
+        low, high = array.min(initial=0.0), array.max(initial=0.0)
+        if not -FARTHEST_CELL <= low <= high <= FARTHEST_CELL:  # nor where one is NaN
             wrong = ~(np.abs(array) <= FARTHEST_CELL).all(axis=1)
             first = int(np.argmax(wrong))
             raise ArgumentError(
@@ -134,8 +136,9 @@ class OccupiedCells(SensedMap):
 
     ``resolution`` [m] is their edge length, ``centres`` (n, 3) [m] their positions. They need not
     lie on a grid, and may touch, overlap and coincide. Queries treat their union as one body; the
-    property ('map', 'margin') [m] enlarges each cube on all sides. Raises ArgumentError for no
-    cells, too many cells, and positions that are not finite.
+    property ('map', 'margin') [m] enlarges each cube on all sides. A map without cells is in no
+    answer: nothing was seen. Raises ArgumentError for too many cells, and positions that are not
+    finite.
 
     >>> cells = OccupiedCells(resolution=0.1, centres=[[0.05, 0.05, 0.05], [0.15, 0.05, 0.05]])
     >>> cells.count(), cells.resolution()
@@ -174,8 +177,8 @@ class PointCloud(SensedMap):
 
     ``radius`` [m] is that of the balls, ``positions`` (n, 3) [m] are their centres; they may
     overlap and coincide. Queries treat their union as one body; the property ('map', 'margin') [m]
-    is added to the radius. Raises ArgumentError for no points, too many points, and positions that
-    are not finite.
+    is added to the radius. A cloud without points is in no answer. Raises ArgumentError for too
+    many points, and positions that are not finite.
 
     >>> cloud = PointCloud(radius=0.01, positions=[[0.0, 0.0, 1.0]])
     >>> cloud.count(), cloud.radius()

@@ -71,6 +71,8 @@ def surface_of_cells(centres: Floats, edge: float) -> tuple[Floats, Indices]:
 
 def _cells_of_one_grid(centres: Floats, edge: float) -> Indices | None:
     """Return offsets [edges] (n, 3) of distinct cubes from the first; None if not on one grid."""
+    if not len(centres):
+        return None
     places = (centres - centres[0]) / edge
     cells = np.rint(places)
     if not (np.abs(places - cells) <= ON_GRID).all() or not np.abs(cells).max() < 2**20:

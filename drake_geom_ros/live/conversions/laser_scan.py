@@ -18,13 +18,13 @@ from drake_geom_ros.math.batched import (
 _LONGEST = 10.0  # [s] that a scan may take: no lidar turns as slowly
 
 
-def points_of_scan(scan: Any) -> Floats:
+def points_of_scan(scan: Any, no_echo: float = math.nan) -> Floats:
     """Return the points (n, 3) [m] of a LaserScan in its frame, as if it had stood still.
 
     A range of -inf is something nearer than ``range_min``, which counts as its distance (REP 117).
-    Of a ray without an echo (inf), and of a range that is not one (NaN, below ``range_min``, above
-    ``range_max``), the point is not finite. Raises ArgumentError for angles or limits that are no
-    numbers.
+    A ray without an echo (inf) ends at the distance ``no_echo`` [m]; of a range that is not one
+    (NaN, below ``range_min``, above ``range_max``) the point is not finite. Raises ArgumentError
+    for angles or limits that are no numbers.
     """
     limits = scan.range_min, scan.range_max
     if not (0.0 <= limits[0] <= limits[1] < math.inf):
@@ -42,7 +42,7 @@ def points_of_scan(scan: Any) -> Floats:
     # Limits and ranges are float32 in a message, so both are rounded alike.
     with np.errstate(invalid='ignore'):
         is_one = (ranges >= limits[0]) & (ranges <= limits[1])
-    ranges = np.where(is_one, ranges, np.nan)
+    ranges = np.where(is_one, ranges, np.where(np.isposinf(ranges), no_echo, np.nan))
     headings = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
     return np.stack([ranges * np.cos(headings), ranges * np.sin(headings), 0.0 * ranges], axis=1)
 

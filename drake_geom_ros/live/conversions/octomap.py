@@ -28,12 +28,15 @@ def refuse_too_many_nodes(message: Any, most: int = MOST_NODES) -> None:
 def cells_from_octomap(message: Any) -> Cells:
     """Return the occupied cells of an Octomap, binary or full, in its frame.
 
-    Raises MapError for bytes that are no tree, for a kind of tree that is not read and for a
+    They may be none: a tree has no leaves but where a sensor looked. Raises MapError for bytes
+    that are no tree, for a tree without leaves, for a kind of tree that is not read and for a
     resolution that is none.
     """
     check_kind(message.id)
     check_resolution(message.resolution)
     data = memoryview(message.data).cast('B')
+    if not len(data):
+        raise MapError('the tree has no leaves: it shows nothing')
     if message.binary:
         return cells_of_binary(data, message.resolution)
     return cells_of_full(data, message.resolution, message.id)

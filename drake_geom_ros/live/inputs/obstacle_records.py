@@ -10,6 +10,7 @@ import numpy as np
 
 from drake_geom_ros.live.scene.self_filter import BodiesThen
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.scene_files import OCCUPIED
 from drake_geom_ros.sensed_maps.cells import Keys
 from drake_geom_ros.sensed_maps.keeping import KeptCells
 from drake_geom_ros.sensed_maps.shell import Shell
@@ -38,6 +39,9 @@ class ObstacleSettings(NamedTuple):
     paddings: tuple[tuple[str, float], ...] = ()
     # How long [s] cells in the shadow of a body stay after a sensor saw them last.
     keep_hidden: float = math.inf
+    may_be_empty: bool = False  # whether a cloud or an image without points is taken
+    threshold: int = 65  # least value of the occupied cells of an occupancy grid
+    unknown: str = OCCUPIED  # what unknown cells of such a grid count as
 
     @property
     def told_apart(self) -> float:

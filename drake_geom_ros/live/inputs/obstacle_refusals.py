@@ -21,14 +21,14 @@ def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[f
             f'obstacle_box is {list(box)}; it must be empty or six numbers, x, y, z of the lowest '
             'and of the highest corner [m], each of the first three less than its fellow'
         )
-    return octomap_refusal('obstacles names octomap') if OCTOMAP in names else ''
+    return package_refusal('octomap_msgs', 'obstacles names octomap') if OCTOMAP in names else ''
 
 
-def octomap_refusal(who: str) -> str:
-    """Return why no OctoMap can be taken, beginning with who asks for one, or ''."""
-    if importlib.util.find_spec('octomap_msgs') is not None:
+def package_refusal(package: str, who: str) -> str:
+    """Return why messages of a package cannot be taken, beginning with who asks for it, or ''."""
+    if importlib.util.find_spec(package) is not None:
         return ''
     return (
-        f'{who}, and the package octomap_msgs cannot be imported; install it with the ROS '
+        f'{who}, and the package {package} cannot be imported; install it with the ROS '
         'distribution, or send points'
     )

@@ -8,11 +8,12 @@ from typing import Any
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.inputs import obstacle_records
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
-from drake_geom_ros.live.inputs.obstacle_refusals import octomap_refusal
+from drake_geom_ros.live.inputs.obstacle_refusals import package_refusal
 from drake_geom_ros.live.scene.map_sources import NamedSource, Origin
 from drake_geom_ros.live.scene.scene_maps import AgeLimit
 from drake_geom_ros.scene_files import (
     DEPTH_IMAGE,
+    OCCUPANCY_GRID,
     OCTOMAP,
     POINT_CLOUD,
     ObstacleSource,
@@ -25,6 +26,8 @@ _DEFAULTS = {
     obstacle_records.DEPTH: (DEPTH_IMAGE, '~/obstacles/depth/image_rect_raw'),
     obstacle_records.OCTOMAP: (OCTOMAP, '~/obstacles/octomap'),
 }
+# Packages of messages that not every installation has, by the type of source.
+_PACKAGES = {OCTOMAP: 'octomap_msgs', OCCUPANCY_GRID: 'nav_msgs'}
 
 
 def all_sources(
@@ -35,7 +38,7 @@ def all_sources(
     """Return the sources by name: of the parameters obstacles and obstacle_sources, of the scene.
 
     Two of one name have to be the same, as in a scene that was saved with those of a parameter.
-    Raises ArgumentError for others, and for an OctoMap whose package is missing.
+    Raises ArgumentError for others, and for messages whose package is missing.
     """
     defaults = [ObstacleSource(name, *_DEFAULTS[name]) for name in names]
     sources: dict[str, NamedSource] = {}
@@ -61,9 +64,9 @@ def obstacle_sources_of(text: str) -> tuple[ObstacleSource, ...]:
 
 def refuse_without_package(source: ObstacleSource) -> None:
     """Raise ArgumentError for a source whose messages no package here has."""
-    if source.type != OCTOMAP:
-        return
-    if reason := octomap_refusal(f'the obstacle source {source.name!r} is an octomap'):
+    package = _PACKAGES.get(source.type)
+    who = f'the obstacle source {source.name!r} is of type {source.type}'
+    if package is not None and (reason := package_refusal(package, who)):
         raise ArgumentError(reason)
 
 
@@ -110,6 +113,9 @@ def settings_of(source: ObstacleSource, settings: ObstacleSettings) -> ObstacleS
         'rays': source.rays,
         'box': source.box,
         'extrude': source.extrude,
+        'may_be_empty': source.may_be_empty,
+        'threshold': source.threshold,
+        'unknown': source.unknown,
         'paddings': source.paddings if has_padding else None,
     }
     return settings._replace(**{key: value for key, value in own.items() if value is not None})

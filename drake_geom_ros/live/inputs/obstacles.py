@@ -1,7 +1,8 @@
-"""Input of sensed maps into the scene: clouds, depth images and OctoMaps.
+"""Input of sensed maps into the scene: clouds, scans, depth images, OctoMaps and grids.
 
 A message is taken whole or refused whole, and then the map of before stays, and grows old. One
-that shows nothing is refused: a covered lens sees no more than an empty room.
+that says that nothing is there, as a scan by rays without an echo, makes a map without cells. One
+that only shows nothing is refused: a covered lens sees no more than an empty room.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from drake_geom_ros.common.geometry_names import matches
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.conversions.fields import stamp_after
+from drake_geom_ros.live.conversions.occupancy_grid import cells_from_grid, extruded
 from drake_geom_ros.live.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
 from drake_geom_ros.live.inputs.map_feeds import MapFeeds, Shown
 from drake_geom_ros.live.inputs.obstacle_records import (
@@ -38,7 +40,8 @@ from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files import ObstacleSource
+from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.scene_files import FREE, ObstacleSource
 from drake_geom_ros.sensed_maps.cells import Cells
 
 Paddings = tuple[tuple[str, float], ...]
@@ -51,6 +54,15 @@ class _Begun(NamedTuple):
     start: float  # [s] when its taking began
     generation: int  # of the map, then
     feed: Feed
+
+
+class _OfMap(NamedTuple):
+    """The cells of a message that is a map, and the box in the world that it shows."""
+
+    cells: Cells  # in a frame M
+    X_WM: RigidTransform
+    low: Floats  # (3,) [m]
+    high: Floats
 
 
 class ObstacleInput:
@@ -204,21 +216,54 @@ class ObstacleInput:
         self, octomap: Any, waited: float = 0.0, publisher: str = '', patience: float = PATIENCE
     ) -> None:
         """Take an Octomap in place of the one of before, as it is; raises as ``begin``."""
-        self._refuse_if_removed()
-        start = time.perf_counter()
         refuse_too_many_nodes(octomap)
-        generation, header = self._generation, self._framed(octomap.header)
-        # Before the tree is read, which takes seconds: its stamp is that much older then.
+
+        def taken(X_WF: RigidTransform, settings: ObstacleSettings) -> _OfMap:
+            return _OfMap(cells_from_octomap(octomap), X_WF, *settings.corners())
+
+        self._take_map(octomap.header, taken, waited, publisher, patience)
+
+    def take_grid(
+        self, grid: Any, waited: float = 0.0, publisher: str = '', patience: float = PATIENCE
+    ) -> None:
+        """Take an OccupancyGrid in place of the one of before; raises as ``begin``."""
+
+        def taken(X_WF: RigidTransform, settings: ObstacleSettings) -> _OfMap:
+            unknown_is_free = settings.unknown == FREE
+            found = cells_from_grid(grid, settings.threshold, unknown_is_free=unknown_is_free)
+            X_WM, cells = X_WF @ found.X_FM, found.cells
+            if settings.extrude is not None:
+                cells = extruded(cells, X_WM, *settings.extrude)
+            # The grid shows what is above and below it, too, as far as columns reach.
+            p_WCs = X_WM.multiply(np.array([(*c, 0.0) for c in found.corners]).T).T
+            low, high = settings.corners()
+            low[:2] = np.maximum(low[:2], p_WCs[:, :2].min(axis=0))
+            high[:2] = np.minimum(high[:2], p_WCs[:, :2].max(axis=0))
+            return _OfMap(cells, X_WM, low, high)
+
+        self._take_map(grid.header, taken, waited, publisher, patience)
+
+    def _take_map(
+        self,
+        header: Any,
+        taken: Callable[[RigidTransform, ObstacleSettings], _OfMap],
+        waited: float,
+        publisher: str,
+        patience: float,
+    ) -> None:
+        """Take a message that is a map, ``taken`` where its frame was."""
+        self._refuse_if_removed()
+        start, generation, header = time.perf_counter(), self._generation, self._framed(header)
+        # Before the map is read, which may take seconds: its stamp is that much older then.
         moment = moment_of(self._live, header, waited, self._hanging, lambda *_: (), patience)
-        cells = cells_from_octomap(octomap)
-        if not len(cells):
-            raise ArgumentError('the tree has no occupied cell: it shows nothing')
-        taken = _cells_in_box(cells, moment.X_WF, self._settings())
-        beyond = len(cells) - len(taken)
-        counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
+        settings = self._settings()
+        cells, X_WM, low, high = taken(moment.X_WF, settings)
+        in_box = _cells_in_box(cells, X_WM, settings)
+        beyond = len(cells) - len(in_box)
+        counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(in_box))
         feed = Feed(header.frame_id, publisher)
-        sight = Sight(np.zeros(3), np.inf, *self._settings().corners())
-        shown = Shown(taken, moment.X_WF, NO_SHELL, moment.since, sight)
+        sight = Sight(np.zeros(3), np.inf, low, high)
+        shown = Shown(in_box, X_WM, NO_SHELL, moment.since, sight)
         self._put(_Begun(moment, start, generation, feed), shown, counts)
 
     def _bodies(self, query: QueryObject, which: str) -> list[GeometryId]:
@@ -295,7 +340,7 @@ class ObstacleInput:
 
 def _cells_in_box(cells: Cells, X_WM: RigidTransform, settings: ObstacleSettings) -> Cells:
     """Return the cells that reach into the box of settings, or the nearest to it."""
-    if not settings.box:
+    if not settings.box or not len(cells):
         return cells  # millions of cells take long to look at
     low, high = settings.corners()
     p_WCs = X_WM.multiply(cells.centres().T).T

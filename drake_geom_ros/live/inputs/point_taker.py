@@ -18,6 +18,7 @@ from drake_geom_ros.live.conversions.laser_scan import (
     unturned,
 )
 from drake_geom_ros.live.conversions.point_cloud import Columns, columns_of_cloud
+from drake_geom_ros.live.conversions.range_cone import points_of_range
 from drake_geom_ros.live.inputs.obstacle_records import (
     Found,
     Held,
@@ -114,16 +115,42 @@ class PointTaker:
             )
         points, duration = points_of_scan(scan), duration_of_scan(scan)
         place = self._map.begin(scan.header, waited, self.filter.number, publisher, duration)
+        ends = points
+        if has_passed := bool(np.isposinf(np.asarray(scan.ranges)).any()):
+            ends = points_of_scan(scan, min(scan.range_max, place.settings.reach))
         if place.turn is not None:
-            points = unturned(points, *place.turn)
-        x, y, z = points.T[:, np.newaxis]
-        self._take_placed((x, y, z), place, scan.range_max)
+            points, ends = unturned(points, *place.turn), unturned(ends, *place.turn)
+        is_end = np.isnan(points[:, 0]) & np.isfinite(ends[:, 0])
+        passed = ends[is_end] if has_passed else None
+        self._take_placed(_columns(points), place, scan.range_max, passed)
+
+    def take_range(self, message: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Take a Range, as ``take_cloud`` does; one without an echo empties the map."""
+        place = self._map.begin(message.header, waited, self.filter.number, publisher)
+        spacing = 0.5 * place.settings.resolution
+        points, passed = points_of_range(message, spacing), None
+        if not len(points):
+            far = min(message.max_range, place.settings.reach)
+            passed = points_of_range(message, spacing, far)
+        self._take_placed(_columns(points), place, message.max_range, passed)
 
     def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
         place = self._map.begin(header, waited, self.filter.number, publisher)
-        self._take_placed(columns, place)
+        passed = np.zeros((0, 3)) if place.settings.may_be_empty else None
+        self._take_placed(columns, place, passed=passed)
 
-    def _take_placed(self, columns: Columns, place: Place, sensor_range: float = np.inf) -> None:
+    def _take_placed(
+        self,
+        columns: Columns,
+        place: Place,
+        sensor_range: float = np.inf,
+        passed: Floats | None = None,
+    ) -> None:
+        """Take points in the frame of a place.
+
+        ``passed`` (n, 3) [m] are the ends of rays that met nothing. None: all rays that met
+        nothing may have been covered, and a message without points is refused.
+        """
         count, settings = columns[0].size, place.settings
         if len(self._room) < count:
             self._room = np.empty((count, 3))
@@ -132,9 +159,9 @@ class PointTaker:
         p_WQs = self._room[: reached.kept]
         # Before any refusal: bodies are taken in by this, and not told anew with each message.
         zones = self.filter.zones(place.bodies, p_WQs, settings.noise, settings.padding)
-        if not reached.finite:
+        if not reached.finite and passed is None:
             raise ArgumentError(f'none of its {count} points is finite: it shows nothing')
-        if zones.on_bodies.all():
+        if zones.on_bodies.all() and passed is None:
             raise ArgumentError('all of its points lie on bodies that the scene knows')
         beside = _Beside.of(p_WQs, zones, settings)
         away = _away_from_bodies(p_WQs, zones, settings)
@@ -144,14 +171,16 @@ class PointTaker:
         before = self._before(place, cells.resolution)
         free = None
         if settings.rays and before is not None and len(before.kept.cells):
-            free = seen_through(place.p_WF, cells)
+            free = self._free(place, cells, passed)
         hidden = None if before is None else self._hidden(place, before.kept, cells)
         held_cells = _kept(place, before, cells, free, shown.packed[~enough], hidden)
         new = beside.shell(is_shell, shown.resolution, place.held)
         shell = (
             new
             if before is None
-            else self._with_shell(place, before, held_cells, new, free, columns)
+            else self._with_shell(
+                place, before, held_cells, new, free, _with_ends(columns, passed)
+            )
         )
         of_shadow = _shadow(held_cells, before, hidden)
         in_none = ~np.isin(shown.packed, held_cells.cells.packed, assume_unique=True)
@@ -175,6 +204,15 @@ class PointTaker:
         self._held[place.feed] = Held(held_cells, place.epoch, place.generation, shell)
         if len(self._held) > 2 * MOST_FEEDS:
             del self._held[next(iter(self._held))]
+
+    def _free(self, place: Place, cells: Cells, passed: Floats | None) -> Keys:
+        """Return the keys of cells that rays to cells, and those that met nothing, traverse."""
+        free = seen_through(place.p_WF, cells)
+        if passed is None or not len(passed):
+            return free
+        # The last two cells of a ray stay, so the ends may be any.
+        ends = Cells.of_points(passed @ place.R_WF.T + place.p_WF, cells.resolution)
+        return np.union1d(free, seen_through(place.p_WF, ends))
 
     def _before(self, place: Place, resolution: float) -> Held | None:
         """Return what the message before left, as far as it still holds."""
@@ -247,6 +285,21 @@ class PointTaker:
             place.bodies, place.p_WF, places[near], reach, place.settings.noise
         )
         return flags
+
+
+def _columns(points: Floats) -> Columns:
+    """Return points (n, 3) [m] as x, y and z (1, n)."""
+    x, y, z = points.T[:, np.newaxis]
+    return x, y, z
+
+
+def _with_ends(columns: Columns, passed: Floats | None) -> Columns:
+    """Return the ends of all rays: the points that some met, and where others ended."""
+    if passed is None or not len(passed):
+        return columns
+    flat = (np.concatenate([c.ravel(), p]) for c, p in zip(columns, passed.T, strict=True))
+    x, y, z = (each[np.newaxis] for each in flat)
+    return as_columns((x, y, z))
 
 
 def _shadow(held: KeptCells, before: Held | None, hidden: Flags | None) -> Keys:

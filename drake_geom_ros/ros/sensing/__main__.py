@@ -17,7 +17,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2
+from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, Range
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
@@ -35,6 +35,7 @@ from drake_geom_ros.ros.sensing.protocol import (
     ALIVE,
     CAMERA,
     CLOUD,
+    CONE,
     IMAGE,
     SCAN,
     Begin,
@@ -55,6 +56,7 @@ _KINDS: dict[str, Any] = {
     IMAGE: Image,
     CAMERA: CameraInfo,
     SCAN: LaserScan,
+    CONE: Range,
 }
 
 
@@ -161,6 +163,8 @@ def _take(kind: str, point_taker: PointTaker) -> Callable[[bytes, float, str], N
         return lambda raw, *how: point_taker.take_camera(
             deserialize_message(raw, CameraInfo), *how
         )
+    if kind == CONE:
+        return lambda raw, *how: point_taker.take_range(deserialize_message(raw, Range), *how)
     assert kind == SCAN, kind
     return lambda raw, *how: point_taker.take_scan(deserialize_message(raw, LaserScan), *how)
 

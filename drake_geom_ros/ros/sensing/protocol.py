@@ -16,7 +16,8 @@ from drake_geom_ros.live.inputs.obstacle_records import Found
 
 SENSORS = '_sensors'  # what its name has behind that of the node
 ALIVE = 'alive'
-CLOUD, IMAGE, CAMERA, SCAN = 'cloud', 'image', 'camera', 'scan'  # kinds of messages
+# Kinds of messages.
+CLOUD, IMAGE, CAMERA, SCAN, CONE = 'cloud', 'image', 'camera', 'scan', 'cone'
 
 
 class SensorTopic(NamedTuple):

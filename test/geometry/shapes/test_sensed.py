@@ -22,14 +22,13 @@ SOME = [[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]
         (np.nan, SOME, '= nan must be from'),
         (np.inf, SOME, '= inf must be from'),
         ('wide', SOME, "= 'wide' is not a number"),
-        (0.1, np.zeros((0, 3)), '0 .* were given, and there must be 1 to'),
         (0.1, np.zeros(3), r'\(3,\) must be \(n, 3\)'),
         (0.1, np.zeros((3, 2)), r'\(3, 2\) must be \(n, 3\)'),
         (0.1, [[0, 0, 0], [0, np.nan, 0]], r'1 of 2 .*\[1\] = \[0.0, nan, 0.0\]'),
         (0.1, [[np.inf, 0, 0], [0, 0, -np.inf]], r'2 of 2 .*\[0\] = \[inf, 0.0, 0.0\]'),
         (0.1, [[2e9, 0, 0]], r'1 of 1 .* beyond 1e\+09 m'),
         (0.1, [['a', 'b', 'c']], r'are no numbers \(n, 3\)'),
-        (0.1, np.broadcast_to(0.0, (MOST_CELLS + 1, 3)), 'is to be made coarser'),
+        (0.1, np.broadcast_to(0.0, (MOST_CELLS + 1, 3)), 'make a larger map coarser'),
     ],
 )
 def test_what_is_no_map_is_refused(kind, size, positions, told):
@@ -75,6 +74,15 @@ def test_what_was_prepared_is_what_queries_take_and_for_its_margin_alone():
     other = for_queries(shape).in_pairs
     assert for_queries(shape, margin=0.1).in_pairs.parameters.tolist() == fresh.parameters.tolist()
     assert other.parameters.tolist() != fresh.parameters.tolist()
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_a_map_without_cells_is_a_value_without_a_box(kind):
+    empty = kind(0.2, np.zeros((0, 3)))
+    assert (empty.count(), CalcObb(empty)) == (0, None)
+    assert empty == pickle.loads(pickle.dumps(empty)) != kind(0.2, [[0.0, 0.0, 0.0]])
+    assert [len(part) for part in empty.surface()] == [0, 0]
+    empty.prepare(0.1)
 
 
 def _volume(vertices, triangles):

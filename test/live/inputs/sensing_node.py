@@ -145,3 +145,25 @@ def scan(ranges, frame='mast', stamp=100.0, **changes):
         'scan_time': 0.0, 'intensities': array.array('f'),
     }  # fmt: skip
     return Plain(**{**told, **changes})
+
+
+def cone(distance, frame='mast', stamp=100.0, **changes):
+    """Return a Range of a narrow cone."""
+    told = {
+        'header': header(frame, stamp), 'radiation_type': 0, 'field_of_view': 0.02,
+        'min_range': 0.05, 'max_range': 4.0, 'range': distance,
+    }  # fmt: skip
+    return Plain(**{**told, **changes})
+
+
+def grid(points, stamp=100.0, frame='world', value=100, **changes):
+    """Return an OccupancyGrid of 60 by 40 cells of 0.1 m from (-2, -2) on, occupied at points."""
+    cells = np.zeros((40, 60), dtype=np.int8)
+    for x, y, *_ in points:
+        cells[int((y + 2.0) // 0.1), int((x + 2.0) // 0.1)] = value
+    origin = Plain(
+        position=Plain(x=-2.0, y=-2.0, z=0.0), orientation=Plain(x=0.0, y=0.0, z=0.0, w=1.0)
+    )
+    info = Plain(resolution=0.1, width=60, height=40, origin=origin)
+    told = {'header': header(frame, stamp), 'info': info, 'data': array.array('b', cells.ravel())}
+    return Plain(**{**told, **changes})

@@ -31,16 +31,42 @@ def test_a_scan_becomes_cells_where_it_ended():
     assert node.input.counts.points == 3
 
 
-def test_a_scan_that_shows_nothing_is_refused_and_the_map_grows_old():
+def test_a_scan_without_a_ray_is_refused_and_the_map_grows_old():
+    """Ranges that are none are no sight of free space."""
     node = node_of()
     node.taker.take_scan(scan([1.0, 2.0, 1.0]))
     before = node.centres().tolist()
     node.clock.now = 101.0
     node.move(101.0, [0, 0, -5])
     with pytest.raises(ArgumentError, match='shows nothing'):
-        node.taker.take_scan(scan([math.inf] * 3, stamp=101.0))
+        node.taker.take_scan(scan([math.nan, 0.01, 11.0], stamp=101.0))
     assert node.centres().tolist() == before
     assert node.age() == pytest.approx(1.0)
+
+
+def test_a_scan_by_rays_without_an_echo_empties_its_map_and_keeps_it_fresh():
+    node = node_of()
+    never, _ = node.pairs()
+    node.taker.take_scan(scan([1.0, 2.0, 1.0]))
+    assert node.pairs() != (never, 0)
+    node.clock.now = 101.0
+    node.move(101.0, [0, 0, -5])
+    node.taker.take_scan(scan([math.inf, math.nan, math.inf], stamp=101.0))
+    assert node.centres().tolist() == []
+    assert node.age() == 0.0
+    assert node.pairs() == (never, 0)  # no pair waits, as one does before the first message
+    node.taker.take_scan(scan([1.0, math.inf, math.inf], stamp=101.0))
+    assert len(node.centres()) == 1
+
+
+def test_cells_of_before_are_held_where_no_ray_has_an_echo():
+    node = node_of(keep=2.0)
+    node.taker.take_scan(scan([1.0, math.inf, math.inf]))
+    for stamp, cells in ((101.0, 1), (102.5, 0)):
+        node.clock.now = stamp
+        node.move(stamp, [0, 0, -5])
+        node.taker.take_scan(scan([math.inf] * 3, stamp=stamp))
+        assert len(node.centres()) == cells
 
 
 def test_each_ray_ends_where_the_sensor_was_at_its_time():
@@ -133,3 +159,46 @@ def test_too_many_rays_are_refused(monkeypatch):
         node.taker.take_scan(scan([1.0, 1.0, 1.0]))
     with pytest.raises(ArgumentError, match='rows'):
         node.taker.take_cloud(cloud([[1, 0, 0]] * 3))
+
+
+BESIDE = [math.nan, 2.0, math.nan]  # [m] a point that the middle ray of a scan ends at
+
+
+@pytest.mark.parametrize(
+    ('ranges', 'cells'), [([math.nan, math.nan, 1.0], 1), ([math.inf] * 3, 0)]
+)
+def test_a_cell_beside_a_body_goes_with_rays_past_it(ranges, cells):
+    """One that a ray without an echo passes is free; ranges that are none say nothing of it."""
+    node = node_of(padding=0.3)
+    node.move(100.0, [2.0, 0.3, 2.0])  # the hand, 0.2 m from the point
+    node.taker.take_scan(scan(BESIDE))
+    assert node.input.counts.shell_cells == 1
+    node.clock.now = 100.1
+    node.move(100.1, [2.0, 0.3, 2.0])
+    node.taker.take_scan(scan(ranges, stamp=100.1))
+    assert node.input.counts.shell_cells == cells
+
+
+@pytest.mark.parametrize(
+    ('ranges', 'cells'), [([math.nan, math.nan, 1.0], 2), ([math.inf] * 3, 0)]
+)
+def test_a_held_cell_goes_with_rays_past_it(ranges, cells):
+    node = node_of(keep=9.0, rays=True)
+    node.taker.take_scan(scan(BESIDE))
+    node.clock.now = 100.1
+    node.move(100.1, [0, 0, -5])
+    node.taker.take_scan(scan(ranges, stamp=100.1))
+    assert len(node.centres()) == cells
+
+
+def test_rays_without_an_echo_turn_with_the_base():
+    """The middle ray points along y when it is measured, and passes what was there."""
+    node = node_of(keep=9.0, rays=True)
+    node.taker.take_scan(scan([2.0], frame='arm', angle_min=math.pi / 2))
+    node.move(101.0, [0, 0, -5])
+    node.move(102.0, [0, 0, -5], yaw=math.pi)
+    node.clock.now = 102.0
+    turning = {'angle_min': 0.0, 'angle_increment': 0.0, 'time_increment': 0.5}
+    rays = [math.nan, math.inf, math.nan]
+    node.taker.take_scan(scan(rays, frame='arm', stamp=101.0, **turning))
+    assert len(node.centres()) == 0

@@ -322,7 +322,7 @@ def test_an_octomap_stands_in_its_frame():
     assert frozenset(['s::world/post', 'obstacles::octomap/map']) not in node.pairs()[0]
     with node.live.reading() as held:
         assert held.log.warnings == []
-    with pytest.raises(RuntimeError, match='no occupied cell'):
+    with pytest.raises(RuntimeError, match='no leaves'):
         node.input.take_octomap(octomap(Cells.of_points(np.zeros((0, 3)), 0.1)))
     assert len(node.centres()) == 1
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace as Plain
 import numpy as np
 import pytest
 from live.conversions.test_depth_image import camera, image
-from live.inputs.sensing_node import Node, cloud, header, scan
+from live.inputs.sensing_node import Node, cloud, cone, grid, header, scan
 from live.inputs.test_obstacles import octomap
 
 from drake_geom_ros.proximity_rules import ProximityRule
@@ -29,12 +29,13 @@ EYE = np.array([0.02, 0.02, 0.02])
 # Ends of rays in the frames of the sensors [m]: a thing, what is behind it, and what is aside.
 THING, BEHIND, ASIDE = (1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 1.0, 0.0)
 KEEP = 2.0
-KINDS = 'laser_scan', 'point_cloud', 'depth_image', 'octomap'
+KINDS = 'laser_scan', 'point_cloud', 'depth_image', 'range', 'octomap', 'occupancy_grid'
+MAPS = 'octomap', 'occupancy_grid'
 WIDTH = 101  # pixels, 45 degrees to each side
 
 
 def scan_of(end, frame, stamp):
-    rays = np.full(181, np.inf)
+    rays = np.full(181, np.nan)  # no echo would be a look through all cells
     rays[90 + round(np.degrees(np.arctan2(end[1], end[0])))] = np.hypot(*end[:2])
     return scan(rays, frame, stamp)
 
@@ -59,6 +60,10 @@ def see(kind, sensor, end, frame, stamp, publisher=''):
         told.header = header(f'{frame}_optical', stamp)
         taker.take_camera(told)
         taker.take_depth(image_of(end, frame, stamp), 0.0, publisher)
+    elif kind == 'range':  # which looks along x
+        taker.take_range(cone(np.inf if end[1] else end[0], frame, stamp), 0.0, publisher)
+    elif kind == 'occupancy_grid':
+        its_input.take_grid(grid([np.array(end) + EYE], stamp), 0.0, publisher)
     else:
         cells = Cells.of_points(np.array([end]) + EYE, 0.1)
         its_input.take_octomap(octomap(cells, 'world', stamp), 0.0, publisher)
@@ -101,7 +106,8 @@ def test_a_cell_that_one_sees_free_and_another_occupied_stays_for_keep(kind_a, k
         at(stamp)
         see(kind_a, a, BEHIND, 'one', stamp)
         assert is_occupied(node, THING)
-        if kind_b != 'octomap':  # whose cells are those of its last message
+        # The cells of maps are those of their last message, and a range looks ahead alone.
+        if kind_b not in (*MAPS, 'range'):
             see(kind_b, b, ASIDE, 'two', stamp)
             assert is_occupied(node, THING)
     at(last + KEEP + 0.1)

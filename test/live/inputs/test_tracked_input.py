@@ -300,7 +300,7 @@ def test_a_bad_message_is_refused_whole(cell, fields, reason):
         ((6, []), "the body 'anna' is a HalfSpace"),
         ((1, [-1.0]), "the body 'anna': "),
         ((99, []), 'shape.type is 99'),
-        ((11, [0.1]), "the body 'anna': "),
+        ((11, [0.1]), "the body 'anna' is a PointCloud"),
     ],
 )
 def test_a_shape_that_no_body_has_is_refused(cell, shape, reason):

@@ -12,7 +12,7 @@ def count_waiting_pairs(world: World, filters: FilterState) -> int:
 
     Their distances are unknown, so no cutoff applies.
     """
-    if not world.waiting.any():
+    if world.is_whole:
         return 0
     slots = filters.slots(world.geometries.ids)
-    return int(count_lacking(*filters.matrix, slots, world.waiting))
+    return int(count_lacking(*filters.matrix, slots, world.unplaced()))

@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import balls_inside, shape_radii
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import COUNT
+from drake_geom_ros.geometry._proximity.kinds import (
+    HALF_SPACE,
+    OCCUPIED_CELLS,
+    POINT_CLOUD,
+    SPHERE,
+)
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.runtime.threads import share
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
@@ -128,7 +134,8 @@ class World:
         self._moved = np.ones(count, dtype=np.bool_)
         self._named = np.zeros(count, dtype=np.int64)
         self._posed = np.zeros(count, dtype=np.bool_)
-        self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
+        # In no query: on frames that wait for a first pose, or maps without cells.
+        self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)
         self._placings = np.zeros(1, dtype=np.int64)
         self.placed = self._posed.copy()  # (nf,) the frame and all its ancestors have a pose
         self._allocate_geometries()
@@ -150,6 +157,7 @@ class World:
         # The same shapes for points, until the first point query sets others.
         self.point_shapes = PointShapes.of(table.types, table.starts, table.pool)
         self.has_point_shapes = False
+        self._is_empty = _empty_maps(table)
         self._classify(np.zeros(0, dtype=np.int64))
         (
             self.outer_radii,
@@ -321,7 +329,11 @@ class World:
         if self.has_point_shapes:
             shapes = change.merged_shapes(self.point_shapes[:3], new_points[:3])
         other.point_shapes = PointShapes.of(*shapes)
-        other.waiting = ~other.placed[other.geometries.frames]
+        empty = _empty_maps(new)
+        other._is_empty = merged(self._is_empty, empty)
+        other.waiting = other.unplaced() | other._is_empty
+        if empty.any() or self._is_empty.any():
+            other._placings += 1  # lists have no place for what was empty
         stayed = change.places(self.geometry_count)[self.newcomers]
         came = change.new[new.frames == 0]
         other._classify(np.sort(np.concatenate((stayed[stayed >= 0], came))))
@@ -418,8 +430,12 @@ class World:
         self.placed = self._posed.copy()
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
-        self.waiting[:] = ~self.placed[self.geometries.frames]
+        self.waiting[:] = self.unplaced() | self._is_empty
         self._placings += 1
+
+    def unplaced(self) -> NDArray[np.bool_]:
+        """Return which geometries (n,) wait for a first pose."""
+        return ~self.placed[self.geometries.frames]
 
     def unposed_frames(self) -> Indices:
         """Return the FrameId values of the frames that never had a pose, parents first."""
@@ -523,3 +539,12 @@ def _derived_from(table: GeometryTable) -> tuple[Floats, Floats, Floats, Floats,
     rest = np.zeros(len(table.types))
     body_data = np.column_stack((table.roundings, levers, at_origin, rest))
     return outer, inner, centres, radii, body_data
+
+
+def _empty_maps(table: GeometryTable) -> NDArray[np.bool_]:
+    """Return which geometries (n,) are sensed maps without cells."""
+    is_empty = np.isin(table.types, (OCCUPIED_CELLS, POINT_CLOUD))
+    for k in np.flatnonzero(is_empty).tolist():
+        shape = table.pool[table.starts[k] : table.starts[k + 1]]
+        is_empty[k] = shape[int(shape[-1]) + COUNT] == 0.0
+    return is_empty

@@ -1,0 +1,184 @@
+"""Occupancy grids and ranges in the scene, and maps that show that nothing is there. No ROS."""
+
+import array
+import math
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from live.inputs.sensing_node import Node, cloud, cone, grid
+from live.inputs.test_obstacles import octomap
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.proximity_rules import ProximityRule
+from drake_geom_ros.scene_files import ObstacleSource
+from drake_geom_ros.sensed_maps import Cells
+
+SCENE = """
+sources: [s]
+frames:
+- {name: arm, source: s}
+- {name: mast, source: s, pose: {position: [0, 0, 2]}, static: true}
+- {name: map, source: s, pose: {position: [1, 0, 0.5], rpy: [0, 0, 1.5707963]}, static: true}
+- {name: ramp, source: s, pose: {rpy: [0.1, 0, 0]}, static: true}
+geometries:
+- {name: hand, source: s, frame: arm, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+def node_of(kind, **keys):
+    """Return a node with one source, and its arm far below."""
+    node = Node(scene=SCENE, source=ObstacleSource('seen', kind, '/seen', **keys))
+    node.move(100.0, [0, 0, -5])
+    return node
+
+
+def rounded(rows):
+    return sorted(np.round(np.asarray(rows), 6).tolist())
+
+
+def test_a_grid_is_cells_that_its_plane_cuts_in_the_middle():
+    node = node_of('occupancy_grid')
+    node.input.take_grid(grid([[0.52, -0.37]]))
+    assert rounded(node.centres()) == [[0.55, -0.35, 0.0]]
+
+
+def test_a_grid_stands_where_its_frame_is():
+    node = node_of('occupancy_grid', extrude=(0.4, 0.6))
+    node.input.take_grid(grid([[0.52, -0.37]], frame='map'))
+    x, y = 1.0 + 0.35, 0.55  # a quarter turn about z, one metre ahead
+    assert rounded(node.centres()) == [[x, y, 0.4], [x, y, 0.5], [x, y, 0.6]]
+
+
+def test_a_tilted_grid_has_no_columns():
+    node = node_of('occupancy_grid', extrude=(0.0, 1.0))
+    with pytest.raises(ArgumentError, match=r'tilted by 5\.73 degrees'):
+        node.input.take_grid(grid([[0.5, 0.0]], frame='ramp'))
+
+
+def test_the_threshold_says_which_cells_are_occupied():
+    for threshold, cells in ((65, 2), (100, 1), (20, 3)):
+        node = node_of('occupancy_grid', threshold=threshold)
+        message = grid([[0.0, 0.0]])
+        message.data[0], message.data[1] = 99, 20
+        node.input.take_grid(message)
+        assert len(node.centres()) == cells
+
+
+def test_unknown_cells_are_occupied_unless_they_are_declared_free():
+    message = grid([[0.0, 0.0]])
+    message.data[7] = -1
+    for unknown, cells in ((None, 2), ('occupied', 2), ('free', 1)):
+        node = node_of('occupancy_grid', unknown=unknown)
+        node.input.take_grid(message)
+        assert len(node.centres()) == cells
+
+
+def _all_unknown():
+    message = grid([])
+    message.data[:] = array.array('b', [-1] * len(message.data))
+    return message
+
+
+def _with(**changes):
+    message = grid([])
+    message.info = Plain(**{**vars(message.info), **changes})
+    return message
+
+
+@pytest.mark.parametrize(
+    ('message', 'told'),
+    [
+        (_all_unknown(), 'all cells of the grid are unknown: it shows nothing'),
+        (_with(width=61), r'data has 2400 cells, and the grid is 61 by 40'),
+        (grid([], data=array.array('b')), 'data has 0 cells'),
+        (_with(resolution=0.0), 'resolution'),
+        (_with(resolution=math.nan), 'resolution'),
+        (grid([[0, 0]], value=101), 'a cell has the value 101; it must be at most 100'),
+    ],
+)
+def test_what_is_no_grid_is_refused_and_the_map_stays(message, told):
+    node = node_of('occupancy_grid', unknown='free')
+    node.input.take_grid(grid([[0.0, 0.0]]))
+    with pytest.raises(ArgumentError, match=told):
+        node.input.take_grid(message)
+    assert len(node.centres()) == 1
+
+
+def test_beyond_its_grid_nothing_is_seen():
+    """A rule about the map is entered where the body is beside the grid."""
+    node = node_of('occupancy_grid')
+    node.input.take_grid(grid([]))
+    for place, is_entered in (([1.0, 0.0, 1.0], False), ([5.0, 0.0, 1.0], True)):
+        node.move(100.0, place)
+        assert _entered(node) == is_entered
+
+
+def test_a_range_is_the_cap_of_its_cone():
+    node = node_of('range', resolution=0.1)
+    node.taker.take_range(cone(1.0, field_of_view=0.6))
+    centres = node.centres()
+    assert 9 <= len(centres) <= 64
+    assert np.linalg.norm(centres - [0, 0, 2], axis=1) == pytest.approx(1.0, abs=0.1)
+
+
+EMPTY = {  # scans: see test_laser_scans
+    'range': lambda node: node.taker.take_range(cone(math.inf)),
+    'octomap': lambda node: node.input.take_octomap(_free_octomap()),
+    'occupancy_grid': lambda node: node.input.take_grid(grid([])),
+    'point_cloud': lambda node: node.taker.take_cloud(cloud(np.zeros((0, 3)))),
+}
+
+
+def _free_octomap():
+    """Return a tree one leaf of which is free, and none occupied."""
+    tree = octomap(Cells.of_points([[0.0, 0.0, 0.0]], 0.1), 'world', 100.0)
+    words = np.frombuffer(tree.data, dtype='<u2').copy()
+    last = words[-1:]  # of the occupied leaf: 2 is turned into 1
+    last[0] = sum(1 << (2 * k) for k in range(8) if last[0] >> (2 * k) & 3 == 2)
+    tree.data = array.array('b', words.tobytes())
+    return tree
+
+
+def _entered(node, stale_after=1.0):
+    """Return whether a stop rule of the hand and the map is entered."""
+    with node.live.editing() as scene:
+        scene.bind_rules()
+        if not scene.rules.rules:
+            scene.rules.add([ProximityRule('r', ('s',), ('obstacles',), enter=0.2, leave=0.3)])
+        blind = scene.blind_frames(stale_after)
+        scene.rules.decide(node.clock.now, scene.query, blind, sights=scene.maps.sights())
+        return scene.rules.states()[0].is_entered
+
+
+@pytest.mark.parametrize('kind', EMPTY)
+def test_heard_and_empty_is_fresh_and_clear_until_it_is_stale(kind):
+    """Never heard: the rule is entered. Heard and empty: left. Silent: entered again."""
+    keys = {'may_be_empty': True} if kind == 'point_cloud' else {}
+    node = node_of(kind, **keys)
+    node.move(100.0, [0.5, 0.0, 1.5])
+    assert _entered(node)
+    assert node.pairs()[1] == 1
+    EMPTY[kind](node)
+    assert node.centres().tolist() == []
+    assert (node.age(), node.pairs()) == (0.0, ({}, 0))
+    assert not _entered(node)
+    node.clock.now = 101.5
+    node.move(101.5, [0.5, 0.0, 1.5])
+    assert _entered(node)
+
+
+def test_a_cloud_without_points_is_refused_unless_it_may_be_empty():
+    node = node_of('point_cloud')
+    for points in (np.zeros((0, 3)), [[math.nan] * 3]):
+        with pytest.raises(ArgumentError, match='shows nothing'):
+            node.taker.take_cloud(cloud(points))
+    assert node.centres() is None
+
+
+def test_an_octomap_without_leaves_is_refused():
+    node = node_of('octomap')
+    tree = octomap(Cells.of_points([[0.0, 0.0, 0.0]], 0.1), 'world', 100.0)
+    tree.data = array.array('b')
+    with pytest.raises(ArgumentError, match='the tree has no leaves: it shows nothing'):
+        node.input.take_octomap(tree)
