@@ -24,6 +24,7 @@ _TYPES_OF_KEYS = {
     **dict.fromkeys(('noise', 'padding', 'least_points'), _OF_POINTS),
     'extrude': (*_OF_POINTS, OCCUPANCY_GRID),
     'may_be_empty': (POINT_CLOUD, DEPTH_IMAGE),
+    'sensor': (POINT_CLOUD,),
     **dict.fromkeys(('threshold', 'unknown'), (OCCUPANCY_GRID,)),
 }
 _NO_KEYS = ('name', 'where', 'paddings')
@@ -50,6 +51,7 @@ class ObstacleSource:
 
     - ``type``: one of ``TYPES``.
     - ``frame``: replaces the ``frame_id`` of its messages.
+    - ``sensor``: the frame of the sensor, where its clouds come in another one.
     - ``timeout``: the map is stale from this age on; None: as any pose of the node.
     - ``required``: whether a rule about the map is stale with it.
     - ``range``: points farther from the sensor are left out.
@@ -66,6 +68,7 @@ class ObstacleSource:
     type: str
     topic: str
     frame: str = ''
+    sensor: str = ''
     timeout: float | None = None
     required: bool = True
     resolution: float | None = None

@@ -87,6 +87,7 @@ def test_what_is_written_is_read_again():
             'a: {type: laser_scan, topic: /a, may_be_empty: true}',
             'is for point_cloud, depth_image',
         ),
+        ('a: {type: laser_scan, topic: /a, sensor: b}', 'sensor is for point_cloud'),
         ('a: {type: octomap, topic: /a, threshold: 50}', 'threshold is for occupancy_grid'),
         ('a: {type: occupancy_grid, topic: /a, threshold: 0}', 'threshold'),
         ('a: {type: occupancy_grid, topic: /a, unknown: maybe}', 'unknown'),

@@ -105,6 +105,9 @@ class Place(NamedTuple):
     before: Held | None  # of the sensor's message before, which another process may have taken
     feed: tuple[str, str]  # the sensor: its frame and its publisher
     turn: Turn | None = None  # while the points were measured; None: it stood still
+    # The pose X_SF of the frame of the message in that of the sensor, which the place then is of;
+    # None: points are given in the sensor's frame.
+    in_sensor: tuple[Floats, Floats] | None = None
 
 
 class Found(NamedTuple):

@@ -156,13 +156,29 @@ class ObstacleInput:
 
         moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies, patience)
         feed = Feed(header.frame_id, publisher)
+        in_sensor = None
+        if self.source.sensor:
+            moment, in_sensor = self._from_sensor(moment, header, waited, patience)
         self._begun = _Begun(moment, start, generation, feed)
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
         there, since = self._known.then(moment.query, bodies_number), moment.since
         when = since.held, since.epoch, generation
         turn = self._turn(moment, header, waited, duration, patience) if duration else None
-        return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed, turn)
+        held = self._held.get(feed)
+        return Place(R_WF, p_WF, *when, there, settings, held, feed, turn, in_sensor)
+
+    def _from_sensor(
+        self, moment: Moment, header: Any, waited: float, patience: float
+    ) -> tuple[Moment, tuple[Floats, Floats]]:
+        """Return a moment for the frame S of the source's sensor, and R_SF, p_SF [m]."""
+        of_sensor = SimpleNamespace(stamp=header.stamp, frame_id=self.source.sensor)
+        X_WS = moment_of(
+            self._live, of_sensor, waited, self._hanging, lambda *_: (), patience
+        ).X_WF
+        X_SF = X_WS.inverse() @ moment.X_WF
+        R_SF, p_SF = np.array(X_SF.rotation().matrix()), np.array(X_SF.translation())
+        return moment._replace(X_WF=X_WS), (R_SF, p_SF)
 
     def _framed(self, header: Any) -> Any:
         """Return a header with the frame that the source says, if it does."""

@@ -137,6 +137,8 @@ class PointTaker:
     def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
         place = self._map.begin(header, waited, self.filter.number, publisher)
         passed = np.zeros((0, 3)) if place.settings.may_be_empty else None
+        if place.in_sensor is not None:
+            columns = _moved(columns, *place.in_sensor)
         self._take_placed(columns, place, passed=passed)
 
     def _take_placed(
@@ -293,6 +295,13 @@ def _columns(points: Floats) -> Columns:
     return x, y, z
 
 
+def _moved(columns: Columns, R: Floats, p: Floats) -> Columns:
+    """Return points, given as x, y and z (a, b) [m], after a rotation and a shift (3,) [m]."""
+    points = np.stack([np.asarray(column, dtype=np.float64).ravel() for column in columns], axis=1)
+    with np.errstate(invalid='ignore'):  # points that are not finite stay so
+        return _columns(points @ R.T + p)
+
+
 def _with_ends(columns: Columns, passed: Floats | None) -> Columns:
     """Return the ends of all rays: the points that some met, and where others ended."""
     if passed is None or not len(passed):
@@ -310,8 +319,10 @@ def _shadow(held: KeptCells, before: Held | None, hidden: Flags | None) -> Keys:
 
 
 def _is_world(place: Place) -> bool:
-    """Return whether points came in the world's frame: then no sensor is at its origin."""
-    return not place.p_WF.any() and np.array_equal(place.R_WF, np.eye(3))
+    """Return whether the sensor is unknown: points came in the world's frame."""
+    return (
+        place.in_sensor is None and not place.p_WF.any() and np.array_equal(place.R_WF, np.eye(3))
+    )
 
 
 def _away_from_bodies(p_WQs: Floats, zones: Zones, settings: ObstacleSettings) -> Reached:

@@ -47,7 +47,7 @@ def _instance(shape, name):
 class _Scene:
     """Balls, a box and the ground, with or without a map on a frame of its own."""
 
-    def __init__(self, shape=None):
+    def __init__(self, shape=None, crowd=0):
         self.graph = SceneGraph()
         self.graph.AddRenderer('eye', MakeRenderEngineExact(RenderEngineExactParams()))
         self.source = self.graph.RegisterSource('scene')
@@ -58,6 +58,10 @@ class _Scene:
             self.graph.RegisterGeometry(self.source, frame, _instance(each, f'{k}'))
             self.frames.append(frame)
         self.graph.RegisterAnchoredGeometry(self.source, _instance(HalfSpace(), 'ground'))
+        for k in range(crowd):  # far away, so that grids find who is near
+            ball = GeometryInstance(RigidTransform([5.0 + k, 0.0, 0.0]), Sphere(0.1), f'far {k}')
+            ball.set_proximity_properties(ProximityProperties())
+            self.graph.RegisterGeometry(self.source, self.frames[2], ball)
         self.seen = None
         if shape is not None:
             self.of_map = self.graph.RegisterFrame(self.source, GeometryFrame('map'))
@@ -130,9 +134,11 @@ def test_a_scene_with_an_empty_map_answers_as_the_scene_without_it(empty):
     assert scene.answers() == without.answers()
 
 
+@pytest.mark.parametrize('crowd', [0, 200])
 @pytest.mark.parametrize('empty', EMPTY)
-def test_a_map_may_lose_all_cells_and_get_some_again(empty):
-    scene, full, without = _Scene(FULL), _Scene(FULL).answers(), _Scene().answers()
+def test_a_map_may_lose_all_cells_and_get_some_again(empty, crowd):
+    scene = _Scene(FULL, crowd)
+    full, without = _Scene(FULL, crowd).answers(), _Scene(None, crowd).answers()
     assert full['pairs'] != without['pairs']
     assert full['image'] != without['image']
     for _ in range(2):

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry import (
     RoleAssign,
     Sphere,
 )
-from drake_geom_ros.live.conversions.octomap import cells_from_octomap
+from drake_geom_ros.live.conversions.octomap import MOST_NODES, cells_from_octomap
 from drake_geom_ros.live.inputs import obstacles
 from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.live.inputs.tf_input import TfInput
@@ -267,11 +267,11 @@ def test_a_cell_is_held_by_any_point_in_it(rays):
     assert node.input.counts.in_sparse_cells == 1
 
 
-def test_a_message_of_any_size_is_refused_before_it_is_read(monkeypatch):
-    monkeypatch.setattr(obstacles, 'MOST_NODES', 10)
+def test_a_message_of_any_size_is_refused_before_it_is_read():
     node = Node('octomap')
     full = Plain(header=header('mast', 100.0), id='ColorOcTree', binary=False, resolution=0.1)
-    for told, most in (({'binary': True}, 20), ({'id': 'OcTree'}, 50), ({}, 80)):
+    for told, each in (({'binary': True}, 2), ({'id': 'OcTree'}, 5), ({}, 8)):
+        most = each * MOST_NODES
         message = Plain(**{**vars(full), **told}, data=array.array('b', bytes(most + 40)))
         with pytest.raises(RuntimeError, match=f'at most {most} are taken'):
             node.input.take_octomap(message)

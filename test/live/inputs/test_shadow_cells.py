@@ -1,8 +1,13 @@
 """Cells behind the robot, as its sensor sees it, are unknown: they stay until it looks there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from live.inputs.sensing_node import Node, cloud
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.scene_files import ObstacleSource
 
 # A sensor at the origin that looks along x, a plate that comes before it, and things behind.
 SCENE = """
@@ -115,3 +120,53 @@ def test_points_in_the_world_have_no_sensor_whose_shadow_there_could_be():
         node.move(stamp, plate)
         node.taker.take_cloud(cloud(points, 'world', stamp), 0.0, 'helper')
     assert node.input.counts.shadow_cells == 0
+
+
+class InWorld(Sensor):
+    """The same, of a driver that sends its clouds in the world's frame."""
+
+    def __init__(self, **changes):
+        source = ObstacleSource('points', 'point_cloud', '/points', sensor='eye')
+        self.node = Node(scene=SCENE, self_filter='scene', source=source, **changes)
+
+    def see(self, stamp, plate, *points):
+        self.node.clock.now = stamp
+        self.node.move(stamp, plate)
+        self.node.taker.take_cloud(cloud(np.array(points), 'world', stamp))
+
+
+@pytest.mark.parametrize(
+    'changes',
+    [{}, {'keep': 0.5, 'rays': True}, {'padding': 0.2, 'keep': 1.0}, {'reach': 2.35}],
+)
+def test_a_cloud_in_the_world_is_as_one_of_the_frame_that_its_source_names(changes):
+    """Reach, rays, shell and shadow begin at the sensor, wherever points are given."""
+    of_eye, in_world = Sensor(**changes), InWorld(**changes)
+    seen = [
+        (100.0, AWAY, THING, ASIDE, [1.15, 0.05, 0.03]),
+        (100.4, BEFORE, ON_PLATE, ASIDE),
+        (101.0, BEFORE, ON_PLATE, ASIDE, [0.5, 0.3, 0.03]),
+        (105.0, AWAY, ASIDE, [3.05, 0.07, 0.04]),
+    ]
+    for message in seen:
+        of_eye.see(*message)
+        in_world.see(*message)
+        assert in_world.cells() == of_eye.cells()
+        first, second = of_eye.node.input.counts, in_world.node.input.counts
+        assert replace(second, seconds=0.0) == replace(first, seconds=0.0)
+
+
+def test_without_a_sensor_a_cloud_in_the_world_has_no_shadow():
+    sensor = InWorld()
+    sensor.node = Node(scene=SCENE, self_filter='scene')
+    sensor.see(100.0, AWAY, THING, ASIDE)
+    sensor.see(100.5, BEFORE, ON_PLATE, ASIDE)
+    assert sensor.cells() == {cell(ASIDE)}
+
+
+def test_a_sensor_that_is_not_known_is_refused():
+    source = ObstacleSource('points', 'point_cloud', '/points', sensor='nowhere')
+    node = Node(scene=SCENE, source=source)
+    node.move(100.0, AWAY)
+    with pytest.raises(ArgumentError, match='nowhere'):
+        node.taker.take_cloud(cloud([THING], 'world'))
