@@ -24,6 +24,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.sensors import CameraInfo
 
@@ -163,3 +164,13 @@ def test_the_distance_of_an_empty_map_is_refused(empty):
     body = scene.query.inspector().GetAllGeometryIds()[0]
     with pytest.raises(GeometryError, match=r"'map' is a map without cells, .* at no distance"):
         scene.query.ComputeSignedDistancePairClosestPoints(body, scene.seen)
+
+
+def test_motions_prepared_for_an_empty_map_are_not_taken_for_one_with_cells():
+    """Their pairs lack the map: what only changed its shape would look free."""
+    empty, full = (_Scene(shape).context for shape in (EMPTY[0], FULL))
+    worlds = [state_of(context).up_to_date_world() for context in (empty, full)]
+    assert not worlds[0].has_other_shapes_only(worlds[1])
+    assert not worlds[1].has_other_shapes_only(worlds[0])
+    other = state_of(_Scene(OccupiedCells(0.1, [[0.0, 0.0, 9.0]])).context).up_to_date_world()
+    assert worlds[1].has_other_shapes_only(other)
