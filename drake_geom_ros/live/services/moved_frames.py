@@ -59,7 +59,7 @@ def moved_frame(scene: HeldScene, name: str, header_frame: str) -> MovedFrame:
     for a frame that cannot be moved so.
     """
     names, inspector = scene.model.names, scene.model.inspector
-    frame = _root_by_virtual_joint(scene, name) or names.frame(name)
+    frame = root_by_virtual_joint(scene, name) or names.frame(name)
     if frame == names.world:
         raise ArgumentError(f'multi_dof_path moves {shortened(name)!r}, which is the world')
     source, _ = names.labels[frame]
@@ -102,7 +102,7 @@ def values_at(X_PF: RigidTransform) -> Floats:
     return MultiDofJoint('', '', 'floating', np.eye(3)).values_of(X_PF, '')
 
 
-def _root_by_virtual_joint(scene: HeldScene, name: str) -> FrameId | None:
+def root_by_virtual_joint(scene: HeldScene, name: str) -> FrameId | None:
     """Return the root link of the one robot whose SRDF has a virtual joint of that name."""
     robots = scene.model.joints.robots
     roots = [

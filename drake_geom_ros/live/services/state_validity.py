@@ -9,7 +9,7 @@ counts as invalid.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import IntEnum
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -28,9 +28,13 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.live.conversions.names import shortened, some_of
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.multi_dof_joints import multi_dof_joints
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.live.scene.touch_links import carried_frames
+from drake_geom_ros.live.scene.world_objects import objects_of
+from drake_geom_ros.live.services.moved_frames import root_by_virtual_joint
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import ZERO_COMPONENT
 
@@ -58,10 +62,9 @@ def check_state_validity(
     Raises ArgumentError for what is not answered, and then ``valid`` stays false.
     """
     _refuse_unread(request)
-    state = request.robot_state.joint_state
-    joints = SimpleNamespace(names=list(state.name), positions=state.position)
     with live.reading() as scene:
-        view = live.view(None, joints)
+        _refuse_strangers(scene, request.robot_state.attached_collision_objects)
+        view = live.view(*_posed(scene, request.robot_state))
         robots = scene.model.robot_names()
         links = _links_of(scene.model.robots, request.group_name)
     if reason := view.reservations():
@@ -146,17 +149,61 @@ def _padding(view: SceneView, id: GeometryId) -> float:
 
 
 def _refuse_unread(request: Any) -> None:
-    state, constraints = request.robot_state, request.constraints
-    if len(state.multi_dof_joint_state.joint_names):
-        raise ArgumentError('robot_state.multi_dof_joint_state is not read; it must be empty')
-    if len(state.attached_collision_objects):
-        raise ArgumentError(
-            'robot_state.attached_collision_objects are not read here; attach objects to the '
-            'scene by /attached_collision_object'
-        )
+    constraints = request.constraints
     kinds = ('joint', 'position', 'orientation', 'visibility')
     if filled := [k for k in kinds if len(getattr(constraints, f'{k}_constraints'))]:
         raise ArgumentError(f'constraints of {some_of(filled)} are not evaluated; give none')
+
+
+def _refuse_strangers(scene: HeldScene, attached: Iterable[Any]) -> None:
+    """Raise ArgumentError for attached objects other than those that links of the scene carry."""
+    held, names = objects_of(scene), scene.model.names
+    for each in attached:
+        there = held.get(each.object.id)
+        link = None if there is None else there.link
+        if link is None or each.link_name not in (names.labels[link][1], names.frame_names[link]):
+            raise ArgumentError(
+                f'robot_state attaches {shortened(each.object.id)!r} to '
+                f'{shortened(each.link_name)!r}, which the scene does not; attach it by '
+                '/attached_collision_object'
+            )
+
+
+def _posed(scene: HeldScene, state: Any) -> tuple[Any, Any]:
+    """Return the root links that virtual joints pose, and values of joints, as a view takes them.
+
+    Raises ArgumentError for a joint of several values that is none of the scene.
+    """
+    several, own = state.multi_dof_joint_state, state.joint_state
+    names, positions = list(own.name), list(own.position)
+    frames, rows = list[str](), list[float]()
+    joints, place = multi_dof_joints(scene.model.joints), 'robot_state.multi_dof_joint_state'
+    if len(several.joint_names) != len(several.transforms):
+        raise ArgumentError(
+            f'{place} has {len(several.joint_names)} names and {len(several.transforms)} '
+            'transforms; it must have one for each'
+        )
+    for name, transform in zip(several.joint_names, several.transforms, strict=True):
+        matches = [joint for joint in joints if name in (joint.name, joint.full_name)]
+        root = root_by_virtual_joint(scene, name)
+        if len(matches) == 1:
+            names += matches[0].columns
+            positions += matches[0].values(transform, place).tolist()
+        elif root is not None:
+            frames.append(scene.model.names.frame_names[root])
+            p, q = transform.translation, transform.rotation
+            rows += [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+        else:
+            raise ArgumentError(f'{place}: {shortened(name)!r} is no joint of a robot here')
+    frame_id = several.header.frame_id.removeprefix('/')
+    if frames and frame_id not in ('', scene.model.world_frame):
+        raise ArgumentError(
+            f'{place} is measured in {shortened(frame_id)!r}; give it in the world frame, '
+            f'{scene.model.world_frame!r}'
+        )
+    header = SimpleNamespace(frame_id=scene.model.world_frame, stamp=own.header.stamp)
+    poses = SimpleNamespace(header=header, source='', frame_names=frames, frame_ids=[], poses=rows)
+    return poses if frames else None, SimpleNamespace(names=names, positions=positions)
 
 
 def _links_of(robots: Any, group: str) -> set[tuple[str, str]] | None:

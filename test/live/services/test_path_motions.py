@@ -232,8 +232,8 @@ geometries:
 """
 
 
-@pytest.fixture
-def hall(tmp_path):
+def hall_in(tmp_path):
+    """Return a live scene of a rover whose joint was heard, a tray with a mug, and a post."""
     (tmp_path / 'rover.urdf').write_text(ROVER)
     (tmp_path / 'rover.srdf').write_text(SEMANTICS)
     live = live_scene(HALL.format(folder=tmp_path), Clock(1000.0))
@@ -241,6 +241,11 @@ def hall(tmp_path):
     with live.editing() as scene:
         joints.take(scene, state(['turn'], [0.0]), 0.0)
     return live
+
+
+@pytest.fixture
+def hall(tmp_path):
+    return hall_in(tmp_path)
 
 
 DRIVE = [[transform()], [transform(4.0)]]

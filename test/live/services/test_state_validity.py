@@ -8,8 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from live.inputs.test_joint_input import AT, JOINTS_OF_ARM
 from live.live_scenes import Clock, live_scene
-from live.moveit_messages import REMOVE, attached_object, ball, collision_object, pose
+from live.moveit_messages import (
+    REMOVE,
+    attached_object,
+    ball,
+    collision_object,
+    pose,
+    robot_state,
+    transform,
+)
 from live.scene.test_touch_links import SRDF, URDF
+from live.services.test_path_motions import hall_in
 from live.services.test_states import BOUNDS, answer, cell_in
 
 from drake_geom_ros.live.inputs.planning_scene import PlanningSceneInput
@@ -36,12 +45,16 @@ def cost_source():
 MESSAGES = ValidityMessages(contact, cost_source)
 
 
-def validity(live, names=(), positions=(), group='', attached=(), constraints=()):
-    state = Plain(
-        joint_state=Plain(name=list(names), position=list(positions)),
-        multi_dof_joint_state=Plain(joint_names=[]),
-        attached_collision_objects=list(attached),
-    )
+def validity(
+    live, names=(), positions=(), group='', attached=(), constraints=(), several=(), frame=''
+):
+    values = dict(zip(names, positions, strict=False))
+    given = {'name': list(names), 'position': list(positions)}
+    state = robot_state(values, several, attached, frame=frame, **given)
+    return ask(live, state, group, constraints)
+
+
+def ask(live, state, group='', constraints=()):
     kinds = ('joint', 'position', 'orientation', 'visibility')
     lists = {f'{kind}_constraints': [] for kind in kinds}
     limits = Plain(**{**lists, 'joint_constraints': list(constraints)})
@@ -158,7 +171,11 @@ def test_points_of_contacts_lie_in_their_cost_sources(live):
         ({'names': ['nothing'], 'positions': [0.0]}, "no joint 'nothing'"),
         ({'names': JOINTS_OF_ARM, 'positions': [0.0]}, 'positions holds 1 numbers'),
         ({'group': 'arm'}, "group_name is 'arm', which is 0 groups; groups: none"),
-        ({'attached': [Plain()]}, 'attached_collision_objects are not read'),
+        (
+            {'attached': [attached_object('hand', collision_object('mug'))]},
+            "attaches 'mug' to 'hand', which the scene does not",
+        ),
+        ({'several': {'nothing': transform()}}, "'nothing' is no joint of a robot here"),
         ({'constraints': [Plain()]}, 'constraints of joint are not evaluated'),
         ({}, 'the scene is incomplete'),
     ],
@@ -188,3 +205,35 @@ def test_a_group_counts_with_what_its_links_carry(tmp_path):
     every |= {frozenset(['ball', 'left'])}
     assert found('fingers') == every - {frozenset(['ball', 'hand'])}
     assert found('') == every
+
+
+def test_a_state_may_attach_what_the_scene_attaches_as_moveit_repeats_it(tmp_path):
+    (tmp_path / 'arm.urdf').write_text(URDF)
+    keys = f'name: arm, urdf: {tmp_path}/arm.urdf, {AT}, configuration: {{wrist: 0, l: 0, r: 0}}'
+    live = live_scene(f'robots:\n- {{{keys}}}\n', Clock())
+    message = collision_object('ball', frame='hand', primitives=[ball()], primitive_poses=[pose()])
+    PlanningSceneInput(live).take_attached(attached_object('left', message))
+    again = validity(live, attached=[attached_object('left', message)])
+    assert len(again.contacts) == len(validity(live).contacts)
+    with pytest.raises(RuntimeError, match="attaches 'ball' to 'right'"):
+        validity(live, attached=[attached_object('right', message)])
+
+
+def test_transforms_pose_bases_and_joints_of_several_values(tmp_path):
+    hall = hall_in(tmp_path)
+    assert validity(hall).valid
+    # The hand stands 1.5 m above the base, and the post there at x = 2.
+    there = {'floor': transform(1.9)}
+    found = validity(hall, several=there, frame='world')
+    assert {found.contacts[0].contact_body_1, found.contacts[0].contact_body_2} == {
+        'hand',
+        'hall::world/post',
+    }
+    assert validity(hall, several={'floor': transform(1.9, 3.0)}).valid
+    assert validity(hall).valid, 'the scene has not changed'
+    short = robot_state(several=there)
+    short.multi_dof_joint_state.transforms = []
+    with pytest.raises(RuntimeError, match='1 names and 0 transforms'):
+        ask(hall, short)
+    with pytest.raises(RuntimeError, match="is measured in 'odom'"):
+        validity(hall, several=there, frame='odom')
