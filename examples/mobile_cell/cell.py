@@ -4,7 +4,9 @@
 
 The node's scene is driven without ROS, by simulated stamps, as fast as it goes: odometry and two
 publishers of joints at 50 Hz, two lidars at 25 Hz, a depth camera at 5 Hz and a tracker at 25 Hz.
-Each step the referee compares the rules with the distances that the simulation knows.
+The node's gate passes as much of the base's command as the rules allow and prove. Each step the
+referee compares the rules with the distances that the simulation knows, and it sees whether the
+robot touches anything while it moves.
 
 A rule is late if a body is nearer than its limit, by more than it can come nearer within one
 period of its sensor and by the edge of a cell, and the rule is not entered. Once a sensor has had
@@ -22,6 +24,7 @@ import numpy as np
 from world import DRIVE, ROLL, WALK, Clock, RobotScene, World, header
 
 from drake_geom_ros.live.conversions.tracked_objects import TrackedObjectsReader
+from drake_geom_ros.live.gates import decide_gate
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
 from drake_geom_ros.live.inputs.obstacle_sources import age_limits, settings_of
 from drake_geom_ros.live.inputs.obstacles import ObstacleInput
@@ -31,6 +34,8 @@ from drake_geom_ros.live.inputs.tracked_input import TrackedInput
 from drake_geom_ros.live.scene.map_placing import stand_fed
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.pose_history import PoseHistory
+from drake_geom_ros.live.scene.stops_beside_sensors import Sensed
+from drake_geom_ros.live.velocity_gate import VelocityGate
 from drake_geom_ros.scene_files import read_scene
 
 STEP = 0.02  # [s]
@@ -73,6 +78,14 @@ class Cell:
         self.tracked = TrackedInput(self.live, frames)
         self.reader = TrackedObjectsReader()
         self.refused = 0
+        self.passed = np.zeros(6)  # what the gate let through last
+        self.gate = VelocityGate(self._pass, timeout=0.5)
+        self.gate.open()
+        with self.live.editing() as scene:
+            scene.poses.watch_motion(1.0)
+
+    def _pass(self, twist, header):
+        self.passed = twist
 
     def hear(self, name, message, publisher='1'):
         """Take a message of a sensor or of the tracker; one that is refused changes nothing."""
@@ -89,19 +102,24 @@ class Cell:
         except RuntimeError:
             self.refused += 1
 
-    def decide(self):
-        """Return which rules are entered, and why."""
+    def decide(self, command):
+        """Return which rules are entered, and why; the gate takes a command (6,) meanwhile."""
         self.tracked.sweep()
         with self.live.editing() as scene:
             scene.bind_rules()
-            blind = scene.blind_frames(STALE_AFTER)
+            blind, twists = scene.blind_frames(STALE_AFTER), scene.poses.twists()
+            sensed = Sensed(scene.maps.shells(), scene.maps.sights())
             scene.rules.decide(
                 self.clock.now,
                 scene.query,
                 blind,
-                shells=scene.maps.shells(),
-                sights=scene.maps.sights(),
+                twists=twists,
+                shells=sensed.shells,
+                sights=sensed.sights,
+                stops=scene.stopping.stops(twists, STALE_AFTER, STEP, sensed),
             )
+            self.gate.take(command, self.clock.now)
+            decide_gate(scene, 'mobile', self.gate, self.clock.now)
             return {s.rule.name: s.why for s in scene.rules.states() if s.is_entered}
 
 
@@ -117,7 +135,11 @@ def tracked_message(now, bodies):
 
 
 class Run:
-    """One run of the simulation with a referee; ``late`` are the moments of late stops."""
+    """One run of the simulation with a referee.
+
+    ``late`` are the moments of late stops, ``touched`` those at which the robot touched something
+    while it moved.
+    """
 
     def __init__(self, fault='', seed=0):
         self.clock = Clock()
@@ -125,7 +147,8 @@ class Run:
         self.fault = fault
         self._waiting = []  # late messages: when they come, whose, what
         self.steps, self.stopped, self.true_stops = 0, 0, 0
-        self.late, self.whys = [], []
+        self.late, self.touched, self.whys = [], [], []
+        self.gone = 0.0  # [s] of motion at the nominal speed
         self.fault_since = math.inf  # [s] of the simulated time
         self.tail = []  # for the picture: time, distances, rules
 
@@ -159,19 +182,22 @@ class Run:
 
     def go(self, seconds, fault_at=math.inf):
         """Simulate some time; from ``fault_at`` [s] on a sensor has its fault."""
-        begin, stop = self.clock.now, True
+        begin, share = self.clock.now, 0.0
         self.fault_since = begin + fault_at
         while self.clock.now - begin < seconds - 0.5 * STEP:
             self.clock.now += STEP
-            self.world.move(stop=stop, seconds=STEP)
-            self.cell.robot.pose(self.clock.now, self.world.row, *self.world.arm)
+            self.world.move(share=share, seconds=STEP)
+            rates = [self.world.share * rate for rate in self.world.arm_rates]
+            self.cell.robot.pose(self.clock.now, self.world.row, *self.world.arm, rates)
             if not self.steps:
                 self.cell.robot.carry()
             self._sense(has_fault=self.clock.now >= self.fault_since)
-            entered = self.cell.decide()
-            stop = bool(entered)
+            command = self.world.command
+            entered = self.cell.decide(command)
+            share = float(np.linalg.norm(self.cell.passed) / np.linalg.norm(command))
             self.steps += 1
-            self.stopped += stop
+            self.stopped += self.world.share == 0.0
+            self.gone += self.world.share * STEP
             self.whys.append(entered)
             self._judge(entered)
         return self
@@ -180,6 +206,8 @@ class Run:
         """Compare the rules with the truth."""
         distances = self.world.distances()
         self.tail.append((self.clock.now, distances, sorted(entered)))
+        if self.world.share > 0.0 and min(distances.values()) <= 0.0:
+            self.touched.append(round(self.clock.now, 3))
         tracked = 'person' in self.world.seen_by_tracker()
         period = {name: every * STEP for name, every in EVERY.items()}
         limits = {
@@ -220,7 +248,7 @@ def draw(run, file):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, and print what the referee saw; 1 if a stop was late."""
+    """Run, and print what the referee saw; 1 if a stop was late or the robot touched anything."""
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--seconds', type=float, default=600.0, help='of simulated time')
     parser.add_argument('--fault', choices=FAULTS, default='', help='from the middle on')
@@ -232,12 +260,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.picture.parent.mkdir(parents=True, exist_ok=True)
     run = Run(options.fault, options.seed).go(options.seconds, fault_at)
     print(f'{run.steps} decisions in {options.seconds:g} s, stopped in {run.stopped}')
+    print(f'motion {run.gone / options.seconds:.0%}; touched while moving: {len(run.touched)}')
     print(f'a body was nearer than its limit in {run.true_stops}; late: {len(run.late)}')
     for time, rule, distance in run.late[:5]:
         print(f'  at {time} s {rule}: {distance:.3f} m')
     if options.picture:
         draw(run, options.picture)
-    return int(bool(run.late))
+    return int(bool(run.late or run.touched))
 
 
 if __name__ == '__main__':

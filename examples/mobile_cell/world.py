@@ -1,11 +1,13 @@
 """What there is, and what sensors see of it: the simulation's side, which knows the truth.
 
-The robot drives to and fro while its arm swings; it stands still while a rule says stop. A person
+The robot drives to and fro while its arm swings. It hears its commands late and brakes as the rule
+`can stop` declares: base and arm go by one share of their nominal speed. A person
 walks from place to place and round the robot, and a trolley rolls past it. Lidars and camera see
 both and the walls; a tracker names the person while she is within its range.
 """
 
 import math
+from collections import deque
 from pathlib import Path
 from types import SimpleNamespace as Plain
 
@@ -31,6 +33,8 @@ STEP_OF_NONE = 1e-9  # [m]
 PASSING = 1.1  # [m] from the middle of the robot: nearer she does not walk
 PERSON, TROLLEY = 0.25, 0.3  # [m] radii
 WALK, ROLL, DRIVE = 1.2, 0.4, 0.5  # [m/s]
+REACTION = 3  # steps from a command to the change of speed
+BRAKES = np.array([1.0, 1.0, 1.0, 2.0, 2.0])  # of x, y, theta, shoulder and elbow, as declared
 X_HAND_BOX = RigidTransform([0.16, 0.0, 0.0])
 
 
@@ -60,18 +64,18 @@ class RobotScene:
         with self.live.editing() as scene:
             scene.make(addition(read_scene(HERE / file)))
 
-    def pose(self, now, row, arm, grip):
-        """Take odometry, the arm's joints and the gripper's."""
+    def pose(self, now, row, arm, grip, speeds=(0.0, 0.0)):
+        """Take odometry, the arm's joints with their speeds, and the gripper's."""
         poses = {'source': 'mobile', 'frame_names': ['base_link'], 'frame_ids': []}
         with self.live.editing() as scene:
             message = Plain(header=header(now), **poses, poses=row)
             self.inputs.take_poses(scene, message, 0.0, 'odometry')
-            for sender, names, values in (
-                ('arm', ['shoulder', 'elbow'], arm),
-                ('gripper', ['grip'], [grip]),
+            for sender, names, values, rates in (
+                ('arm', ['shoulder', 'elbow'], arm, list(speeds)),
+                ('gripper', ['grip'], [grip], [0.0]),
             ):
                 joints = Plain(
-                    header=header(now), name=names, position=values, velocity=[], effort=[]
+                    header=header(now), name=names, position=values, velocity=rates, effort=[]
                 )
                 topic = 'joint_states'
                 self.inputs.take_joint_states(scene, joints, 0.0, topic, sender)
@@ -99,14 +103,21 @@ class World:
         self._phase, self._way = 0.0, 0.0
         self.person, self._goal = np.array([2.5, 1.0]), np.array([0.3, -0.2])
         self._rolled = 0.0
-        self.move(stop=False, seconds=0.0)
+        self.share = 0.0  # of the nominal speed
+        self._commands = deque([0.0] * REACTION)
+        self.move(share=0.0, seconds=0.0)
         self.robot.carry()
 
-    def move(self, *, stop, seconds):
-        """Move all that moves for some time [s]; the robot stands still while it must stop."""
-        if not stop:
-            self._phase += seconds
-            self._way += DRIVE * seconds
+    def move(self, *, share, seconds):
+        """Move all that moves for some time [s]; the robot hears a share of its speed later."""
+        self._commands.append(share)
+        heard, before = self._commands.popleft(), self.share
+        whole = max(np.abs([*self.command[[0, 1, 5]], *self.arm_rates]) / BRAKES)
+        most = seconds / max(whole, STEP_OF_NONE)
+        self.share += float(np.clip(heard - before, -most, most))
+        gone = 0.5 * (before + self.share) * seconds
+        self._phase += gone
+        self._way += DRIVE * gone
         self._rolled += ROLL * seconds
         step = self._goal - self.person
         left = float(np.linalg.norm(step))
@@ -126,6 +137,18 @@ class World:
     def arm(self):
         """The joints of the arm and of the gripper [rad], [m]."""
         return [1.2 * math.sin(0.7 * self._phase), 0.4 * math.sin(0.5 * self._phase)], 0.02
+
+    @property
+    def arm_rates(self):
+        """The nominal speeds of the arm's joints [rad/s]."""
+        return [0.84 * math.cos(0.7 * self._phase), 0.2 * math.cos(0.5 * self._phase)]
+
+    @property
+    def command(self):
+        """The nominal twist of the base in its own axes: linear [m/s] and angular [rad/s] (6,)."""
+        forward, yaw = DRIVE * math.cos(0.5 * self._way), self.base[2]
+        turn = 0.12 * DRIVE * math.cos(0.4 * self._way)
+        return np.array([forward * math.cos(yaw), -forward * math.sin(yaw), 0.0, 0.0, 0.0, turn])
 
     @property
     def trolley(self):

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 FOLDER = Path(__file__).parents[2] / 'examples' / 'mobile_cell'
@@ -20,11 +21,28 @@ def cell():
 
 def test_no_stop_is_late_and_the_robot_moves(cell):
     run = cell.Run().go(8.0)
-    assert run.late == []
+    assert run.late == run.touched == []
     assert run.true_stops > 5, 'the referee had something to judge'
     assert 0 < run.stopped < run.steps
+    assert 1.0 < run.gone < 8.0
     entered = {rule for rules in run.whys for rule in rules}
-    assert entered == {'person', 'obstacle'}
+    assert {'person', 'obstacle'} <= entered <= {'person', 'obstacle', 'can stop'}
+
+
+def test_the_gate_slows_the_base_to_what_is_proved(cell):
+    run, slowed = cell.Run(), []
+    decide = run.cell.decide
+
+    def watched(command):
+        entered = decide(command)
+        passed = np.linalg.norm(run.cell.passed) / np.linalg.norm(command)
+        if 0.0 < passed < 0.98 and not entered:
+            slowed.append(passed)
+        return entered
+
+    run.cell.decide = watched
+    run.go(8.0)
+    assert slowed, 'no share between rest and the whole command was passed'
 
 
 @pytest.mark.parametrize(
@@ -37,5 +55,10 @@ def test_a_fault_stops_the_robot(cell, fault):
 
 def test_the_referee_sees_a_stop_that_is_late(cell, monkeypatch):
     """A node that decides nothing is late as soon as a body is near."""
-    monkeypatch.setattr(cell.Cell, 'decide', lambda self: {})
+
+    def pass_all(it, command):
+        it.passed = command
+        return {}
+
+    monkeypatch.setattr(cell.Cell, 'decide', pass_all)
     assert cell.Run().go(8.0).late
