@@ -27,6 +27,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.packing import (
     solid_parameters,
     with_boxes,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.pieces import slices_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, tree_of
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
@@ -62,11 +63,7 @@ def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
 
     A convex mesh is replaced by its hull. Raises MeshFileError for a mesh that bounds no solid.
     """
-    return _solid(mesh_source(mesh), scale)
-
-
-@functools.lru_cache(maxsize=32)
-def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
+    source = mesh_source(mesh)
     name = name_of(source)
     factors = np.array(scale)
     check_size(triangles_of(source).vertices, factors, name)
@@ -96,15 +93,20 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     crowded = at_crowded_edges(triangles)
     crowded = live_number[crowded[live[crowded]]]
     pieces = [live_number[piece] for piece in pieces]
+    if not live.all():
+        triangles = triangles[live]
+    del corners  # a fifth of what parameters take
     try:
-        parameters = _packed(hull, corners[live], pieces, crowded, planes, name)
+        parameters = _packed(hull, vertices, triangles, pieces, crowded, planes, name)
     except MeshFileError:
-        cut = without_flush_areas(corners[live])
+        cut = without_flush_areas(vertices[triangles])
         if cut is None:
             raise
         pieces = [np.flatnonzero(np.isin(cut.origins, piece)) for piece in pieces]
         crowded = np.flatnonzero(np.isin(cut.origins, crowded))
-        parameters = _packed(hull, cut.corners, pieces, crowded, planes, name)
+        vertices, triangles = cut.corners.reshape(-1, 3), np.arange(3 * len(cut.corners))
+        triangles = triangles.reshape(-1, 3)
+        parameters = _packed(hull, vertices, triangles, pieces, crowded, planes, name)
     parameters = with_boxes(parameters)
     parameters.flags.writeable = False
     return SOLID, parameters
@@ -112,18 +114,20 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
 
 def _packed(
     hull: Floats,
-    corners: Floats,
+    vertices: Floats,
+    triangles: Indices,
     pieces: list[Indices],
     crowded: Indices,
     planes: Floats,
     name: str,
 ) -> Floats:
-    """Return the parameters of triangles (n, 3, 3) with areas; raises as ``check_simple``.
+    """Return the parameters of triangles (n, 3) with areas; raises as ``check_simple``.
 
     ``pieces`` and ``crowded`` are indices of triangles.
     """
-    largest = largest_triangles(corners, [piece for piece in pieces if len(piece)])
-    parameters, numbers = solid_parameters(hull, corners, largest, planes)
+    areas = areas_of(vertices, triangles)
+    largest = np.array([p[np.argmax(areas[p])] for p in pieces if len(p)], dtype=np.int64)
+    parameters, numbers = solid_parameters(hull, vertices, triangles, largest, planes)
     check_simple(parameters, numbers[largest], numbers[crowded], name)
     return parameters
 
@@ -216,11 +220,13 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
     return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 
 
-def largest_triangles(corners: Floats, pieces: list[Indices]) -> Indices:
-    """Return the index (c,) of the largest triangle of each piece, of corners (n, 3, 3)."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(normals, axis=1)
-    return np.array([piece[np.argmax(areas[piece])] for piece in pieces], dtype=np.int64)
+def areas_of(vertices: Floats, triangles: Indices) -> Floats:
+    """Return twice the areas (n,) [m^2] of triangles (n, 3)."""
+    areas = np.empty(len(triangles))
+    for some in slices_of(len(triangles)):
+        a, b, c = vertices[triangles[some]].transpose(1, 0, 2)
+        areas[some] = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return areas
 
 
 def at_crowded_edges(triangles: Indices) -> Indices:

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.shapes.primitives import PackedShape
 from drake_geom_ros.math.array_types import Floats, Indices
 
+_LARGE = 1 << 16  # numbers: half a megabyte
 MUCH = 4  # times the changed geometries: from a scene that is no larger all is made again
 
 
@@ -51,7 +52,9 @@ def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
     geometries = sorted(
         (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
     )
-    return frames, _table_of(model, geometries, [rows[g.frame_id] for g in geometries])
+    table = _table_of(model, geometries, [rows[g.frame_id] for g in geometries])
+    _share(model, table)
+    return frames, table
 
 
 def changed_world(world: World, model: Model, before: ModelMark) -> tuple[World, RowChange | None]:
@@ -73,7 +76,24 @@ def changed_world(world: World, model: Model, before: ModelMark) -> tuple[World,
     geometries = [model.geometries[id] for id in with_role]
     rows = _rows_of_frames(frames, [g.frame_id.get_value() for g in geometries])
     points = PointShapes.of(*pooled([g.queried_shape.to_points for g in geometries]))
-    return world.changed(frames, _table_of(model, geometries, rows), change, points), change
+    other = world.changed(frames, _table_of(model, geometries, rows), change, points)
+    _share(model, other.geometries)
+    return other, change
+
+
+def _share(model: Model, table: GeometryTable) -> None:
+    """Have a large shape that fills most of a pool keep its parameters there, not once more.
+
+    One that fills little would keep all of the pool once its scene is gone.
+    """
+    starts, pool = table.starts, table.pool
+    if len(pool) < _LARGE:
+        return
+    for row in np.flatnonzero(2 * np.diff(starts) > len(pool)).tolist():
+        record = model.geometries[GeometryId(int(table.ids[row]))]
+        parameters = pool[starts[row] : starts[row + 1]]
+        parameters.flags.writeable = False
+        record.queried_shape.in_pairs.parameters = parameters
 
 
 def _has_role(model: Model, id: GeometryId) -> bool:

@@ -26,6 +26,7 @@ from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
 from drake_geom_ros.geometry.meshes.source import (
     MeshData,
     MeshGiven,
+    MeshKey,
     check_extension,
     hull_polygons,
     hull_surface,
@@ -223,10 +224,7 @@ class Mesh(_FromMesh):
         return QueriedShape(hull, functools.partial(self._to_points, hull))
 
     def _as_solid(self) -> PackedShape:
-        # Imported here: only solids, and queries about points near meshes, need it.
-        from drake_geom_ros.geometry.meshes._solids import solid_of
-
-        return PackedShape(*solid_of(self._mesh, self._scales))
+        return _packed_solid(mesh_source(self._mesh), self._mesh, self._scales)
 
     def weldings(self) -> tuple[str, ...]:
         """Return descriptions of the welds that close the surface, mostly none.
@@ -244,6 +242,15 @@ class Mesh(_FromMesh):
         except MeshFileError as problem:
             _warn_of_points(problem)
             return hull
+
+
+@functools.lru_cache(maxsize=32)
+def _packed_solid(source: MeshKey, mesh: MeshGiven, scales: tuple[float, ...]) -> PackedShape:
+    """Return a mesh as a solid, packed once for all shapes of one source; raises MeshFileError."""
+    # Imported here: only solids, and queries about points near meshes, need it.
+    from drake_geom_ros.geometry.meshes._solids import solid_of
+
+    return PackedShape(*solid_of(mesh, scales))
 
 
 def mesh_of(shape: Convex | Mesh) -> MeshGiven:

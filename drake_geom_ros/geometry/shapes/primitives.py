@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,11 +31,21 @@ from drake_geom_ros.math.tolerances import DIRECTION_NORM, FARTHEST
 _S = TypeVar('_S', bound='Shape')
 
 
-class PackedShape(NamedTuple):
-    """A shape in the layout of ``_proximity.kernels``, for compiled code."""
+class PackedShape:
+    """A shape in the layout of ``_proximity.kernels``, for compiled code: kind and parameters.
 
-    kind: int  # a number of ``_proximity.kinds``
-    parameters: Floats
+    All holders of a shape share one, so ``parameters`` can be moved to where queries have them.
+    """
+
+    __slots__ = ('kind', 'parameters')
+
+    def __init__(self, kind: int, parameters: Floats) -> None:
+        """Take a number of ``_proximity.kinds``, and the parameters, which never change."""
+        self.kind = kind
+        self.parameters = parameters
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.kind, self.parameters))
 
 
 class QueriedShape:

@@ -25,6 +25,7 @@ UNCOMPILED = frozenset(
         'filters/state.py',
         'kernels/shapes/hull_packing.py',
         'kernels/solids/packing.py',
+        'kernels/solids/pieces.py',
         'motion/joint_path.py',
         'motion/motion_loops.py',
         'motion/speeds.py',

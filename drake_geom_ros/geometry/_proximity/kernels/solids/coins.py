@@ -12,11 +12,13 @@ its tree.
 """
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.kernels.solids.pieces import slices_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import Tree, TreeBody
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -127,32 +129,37 @@ def separation_beside(A: Coin, B: Coin) -> float:
     return max(_separation_over(A, B, between), _separation_over(B, A, between))
 
 
-def coin_parameters(corners: Floats, starts: NDArray[np.int64]) -> Floats:
-    """Return the coins (2 L - 1, COIN_WIDTH) of a tree's nodes.
+def put_coins(coins: Floats, corners: Floats, starts: NDArray[np.int64]) -> None:
+    """Write the coins (2 L - 1, COIN_WIDTH) of a tree's nodes.
 
     ``corners`` (n, 3, 3) [m] are those of the triangles in the order of the leaves, ``starts``
     (L + 1,) where the triangles of each leaf begin, the end last.
     """
     leaves = len(starts) - 1
-    coins = np.empty((2 * leaves - 1, COIN_WIDTH))
-    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    vectors = np.empty((len(corners), 3))
+    for some in slices_of(len(corners)):
+        a, b, c = corners[some].transpose(1, 0, 2)
+        vectors[some] = 0.5 * np.cross(b - a, c - a)
     areas = np.linalg.norm(vectors, axis=1)
-    rounding = ROUNDING * EPS * float(np.abs(corners).max())
+    rounding = ROUNDING * EPS * float(max(corners.max(), -corners.min()))
     first, step = leaves - 1, 1
     while True:
         ends = starts[::step]
-        of_level = slice(first, 2 * first + 1)
-        coins[of_level] = _coins(corners, vectors, areas, ends)
+        for some in slices_of(first + 1):
+            of_some = slice(first + some.start, first + some.stop)
+            _put_nodes(coins[of_some], corners, vectors, areas, ends[some.start : some.stop + 1])
         if first == 0:
             break
         first, step = first // 2, 2 * step
     coins[:, 6:] += rounding
-    return coins
 
 
-def _coins(corners: Floats, vectors: Floats, areas: Floats, ends: NDArray[np.int64]) -> Floats:
-    """Return the coins (k, COIN_WIDTH) of one level, whose nodes end at ``ends`` (k + 1,)."""
-    firsts, counts = ends[:-1], np.diff(ends)
+def _put_nodes(
+    coins: Floats, corners: Floats, vectors: Floats, areas: Floats, ends: NDArray[np.int64]
+) -> None:
+    """Write the coins (k, COIN_WIDTH) of nodes that end at ``ends`` (k + 1,), the begin first."""
+    vectors, areas = vectors[ends[0] : ends[-1]], areas[ends[0] : ends[-1]]
+    firsts = ends[:-1] - ends[0]
     normals = np.add.reduceat(vectors, firsts)
     lengths = np.linalg.norm(normals, axis=1)
     faces = lengths > NO_NORMAL * np.add.reduceat(areas, firsts)
@@ -160,17 +167,36 @@ def _coins(corners: Floats, vectors: Floats, areas: Floats, ends: NDArray[np.int
         normals, lengths[:, None], out=np.zeros_like(normals), where=faces[:, None]
     )
     normals[~faces, 2] = 1.0
-    low = np.minimum.reduceat(corners.min(axis=1), firsts)
-    high = np.maximum.reduceat(corners.max(axis=1), firsts)
+    low, high = np.full_like(normals, np.inf), np.full_like(normals, -np.inf)
+    for some, nodes, at in _spans(ends):
+        of_some = corners[some]
+        low[nodes] = np.minimum(low[nodes], np.minimum.reduceat(of_some.min(axis=1), at))
+        high[nodes] = np.maximum(high[nodes], np.maximum.reduceat(of_some.max(axis=1), at))
     middles = 0.5 * (low + high)
-    node = np.repeat(np.arange(len(firsts)), 3 * counts)
-    points = corners.reshape(-1, 3) - middles[node]
-    heights = np.einsum('ij,ij->i', points, normals[node])
-    bottom, top = (
-        np.minimum.reduceat(heights, 3 * firsts),
-        np.maximum.reduceat(heights, 3 * firsts),
-    )
-    across = points - heights[:, None] * normals[node]
-    radii = np.maximum.reduceat(np.linalg.norm(across, axis=1), 3 * firsts)
+    bottom, top = np.full(len(firsts), np.inf), np.full(len(firsts), -np.inf)
+    radii = np.zeros(len(firsts))
+    for some, nodes, at in _spans(ends):
+        counts = np.diff(np.append(at, some.stop - some.start))
+        node = np.repeat(np.arange(nodes.start, nodes.stop), 3 * counts)
+        points = corners[some].reshape(-1, 3) - middles[node]
+        heights = np.einsum('ij,ij->i', points, normals[node])
+        bottom[nodes] = np.minimum(bottom[nodes], np.minimum.reduceat(heights, 3 * at))
+        top[nodes] = np.maximum(top[nodes], np.maximum.reduceat(heights, 3 * at))
+        across = np.linalg.norm(points - heights[:, None] * normals[node], axis=1)
+        radii[nodes] = np.maximum(radii[nodes], np.maximum.reduceat(across, 3 * at))
     middles += (0.5 * (bottom + top))[:, None] * normals
-    return np.column_stack((middles, normals, 0.5 * (top - bottom), radii))
+    coins[:, :3], coins[:, 3:6] = middles, normals
+    coins[:, 6], coins[:, 7] = 0.5 * (top - bottom), radii
+
+
+def _spans(ends: NDArray[np.int64]) -> Iterator[tuple[slice, slice, NDArray[np.int64]]]:
+    """Yield some triangles, the nodes that they are of, and where these begin among them.
+
+    Node k has the triangles from ``ends[k]`` to ``ends[k + 1]``; the largest and the smallest of a
+    node are the same however its triangles are parted.
+    """
+    for piece in slices_of(int(ends[-1] - ends[0])):
+        some = slice(int(ends[0]) + piece.start, int(ends[0]) + piece.stop)
+        first = int(np.searchsorted(ends, some.start, side='right')) - 1
+        last = int(np.searchsorted(ends, some.stop, side='left'))
+        yield some, slice(first, last), np.maximum(ends[first:last] - some.start, 0)

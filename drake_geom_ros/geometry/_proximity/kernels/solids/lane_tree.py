@@ -17,7 +17,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.lanes import (
     BOX_LANES,
     LANES,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import INNER_BOX, Tree
+from drake_geom_ros.geometry._proximity.kernels.solids.pieces import slices_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, INNER_BOX, Tree
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 Floats = NDArray[np.float64]
@@ -77,21 +78,32 @@ def first_of_block(tree: Tree, lanes: LaneTree, k: int) -> int:
     return k * tree.triangles >> lanes.halvings
 
 
-def lane_parameters(corners: Floats, boxes: Floats, starts: NDArray[np.int64]) -> Floats:
-    """Return the parameters over triangles (n, 3, 3) in the order of the leaves.
+def lane_count(leaves: int) -> int:
+    """Return how many numbers ``put_lanes`` writes for a tree with so many leaves."""
+    blocks, levels = blocks_of(leaves)
+    groups = sum(groups_in(blocks, levels, level) for level in range(levels))
+    return BOX_LANES * groups + CORNERS * LANES * blocks
+
+
+def put_lanes(out: Floats, corners: Floats, boxes: Floats, starts: NDArray[np.int64]) -> None:
+    """Write the parameters over triangles (n, 3, 3) in the order of the leaves.
 
     ``boxes`` (2 L - 1, 6) are those of the first tree's nodes, ``starts`` (L + 1,) where the
     triangles of its leaves begin.
     """
     leaves = len(starts) - 1
     blocks, levels = blocks_of(leaves)
-    parts = []
+    at = 0
     for level in range(levels):
         count = boxes_in(blocks, levels, level)
         lanes = np.arange(-(-count // LANES) * LANES)
         of_level = boxes[count - 1 + np.minimum(lanes, count - 1)]
-        parts.append(of_level.reshape(-1, LANES, 6).transpose(0, 2, 1))
+        groups = out[at : at + of_level.size].reshape(-1, 6, LANES)
+        groups[:] = of_level.reshape(-1, LANES, 6).transpose(0, 2, 1)
+        at += of_level.size
     ends = starts[:: leaves // blocks]
-    numbers = np.minimum(ends[:-1, None] + np.arange(LANES), ends[1:, None] - 1)
-    parts.append(corners[numbers].reshape(blocks, LANES, 9).transpose(0, 2, 1))
-    return np.concatenate([part.ravel() for part in parts])
+    of_blocks = out[at:].reshape(blocks, CORNERS, LANES)
+    for some in slices_of(blocks):
+        firsts, lasts = ends[some, None], ends[some.start + 1 : some.stop + 1, None] - 1
+        numbers = np.minimum(firsts + np.arange(LANES), lasts)
+        of_blocks[some] = corners[numbers].reshape(-1, LANES, CORNERS).transpose(0, 2, 1)

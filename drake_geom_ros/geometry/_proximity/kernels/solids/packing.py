@@ -11,9 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.solids.coins import coin_parameters
+from drake_geom_ros.geometry._proximity.kernels.solids.coins import COIN_WIDTH, put_coins
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import inner_boxes
-from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_parameters
+from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_count, put_lanes
+from drake_geom_ros.geometry._proximity.kernels.solids.pieces import slices_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     AREA,
     AREA_VECTOR,
@@ -35,40 +36,55 @@ SUMS = 16  # numbers that a node is made of
 
 MOST_LINES = 12  # of a kind, between the cells of a solid along an axis
 FEW = 0.2  # share of triangles normal to an axis: a solid with fewer is round, or turned
+_MOVED = 1 << 16  # numbers that are moved at once
 MOST_BOXES, KEPT_BOXES = 512, 32  # boxes that are found, and the thickest, which remain
 
 
 def solid_parameters(
-    hull: Floats, corners: Floats, pieces: Indices, planes: Floats
+    hull: Floats, vertices: Floats, triangles: Indices, pieces: Indices, planes: Floats
 ) -> tuple[Floats, Indices]:
     """Return the kernel parameters of a solid and the numbers (n,) of its triangles in them.
 
     Parameters are laid out as ``kernels.solids.solid`` says. ``hull`` are the parameters of
-    CONVEX; ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces``
+    CONVEX; ``triangles`` (n, 3) of ``vertices`` [m], counter-clockwise from outside; ``pieces``
     (c,) a triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit
     normal and offset [m].
     """
     leaves = 1
-    while leaves * MOST_IN_LEAF < len(corners):
+    count = len(triangles)
+    while leaves * MOST_IN_LEAF < count:
         leaves *= 2
-    order = _order(corners.mean(axis=1), leaves)
-    corners = corners[order]
-    nodes = _nodes(corners, leaves)
-    header = np.array([len(corners), leaves, len(pieces), len(planes), 0], dtype=np.float64)
-    numbers = np.empty(len(corners), dtype=np.int64)
-    numbers[order] = np.arange(len(corners))
-    on_pieces = numbers[pieces].astype(np.float64)
-    lanes = lane_parameters(
-        corners, nodes[:, LOWER : UPPER + 3], leaf_bounds(len(corners), leaves)
+    starts = leaf_bounds(count, leaves)
+    order = _order(_middles(vertices, triangles), leaves)
+    header = np.array([count, leaves, len(pieces), len(planes), 0], dtype=np.float64)
+    numbers = np.empty(count, dtype=np.int64)
+    numbers[order] = np.arange(count)
+    # Parts are made in their places: all parameters twice would be the peak of memory.
+    sizes = (
+        *(len(hull), HEADER, NODE_WIDTH * (2 * leaves - 1), CORNERS * count, len(pieces)),
+        *(planes.size, lane_count(leaves), COIN_WIDTH * (2 * leaves - 1), 1),
     )
-    coins = coin_parameters(corners, leaf_bounds(len(corners), leaves))
-    place = np.array([float(len(hull))])
-    parts = hull, header, nodes, corners, on_pieces, planes, lanes, coins, place
-    return np.concatenate([part.ravel() for part in parts]), numbers
+    parameters = np.empty(sum(sizes))
+    parts = np.split(parameters, np.cumsum(sizes)[:-1])
+    nodes, corners = parts[2].reshape(-1, NODE_WIDTH), parts[3].reshape(-1, 3, 3)
+    for some in slices_of(count):
+        corners[some] = vertices[triangles[order[some]]]
+    parts[0][:], parts[1][:], parts[4][:] = hull, header, numbers[pieces]
+    parts[5][:] = planes.ravel()
+    # There is room for the sums of nodes where lanes and coins are written later.
+    sums = parameters[-SUMS * len(nodes) :].reshape(-1, SUMS)
+    put_nodes(nodes, sums, corners, starts)
+    parts[8][:] = len(hull)
+    put_lanes(parts[6], corners, nodes[:, LOWER : UPPER + 3], starts)
+    put_coins(parts[7].reshape(-1, COIN_WIDTH), corners, starts)
+    return parameters, numbers
 
 
 def with_boxes(parameters: Floats) -> Floats:
-    """Return the parameters of a solid together with the boxes (k, 6) [m] found within it."""
+    """Return the parameters of a solid together with the boxes (k, 6) [m] found within it.
+
+    ``parameters`` own their memory and are not used afterwards.
+    """
     tree = tree_of(SOLID, parameters)
     end = tree.corners + CORNERS * tree.triangles
     corners = parameters[tree.corners : end].reshape(-1, 3, 3)
@@ -78,9 +94,13 @@ def with_boxes(parameters: Floats) -> Floats:
     boxes = np.column_stack([lines[k % 3][cells[:, k]] for k in range(6)])
     thickness = (boxes[:, 3:] - boxes[:, :3]).min(axis=1)
     boxes = boxes[np.argsort(-thickness, kind='stable')[:KEPT_BOXES]]
-    header = int(parameters[-1])
-    before, behind = parameters[: tree.boxes_at], parameters[tree.boxes_at :]
-    parameters = np.concatenate((before, boxes.ravel(), behind))
+    del corners
+    header, at, size = int(parameters[-1]), tree.boxes_at, parameters.size
+    parameters.resize(size + boxes.size, refcheck=False)  # in its place: ``corners`` is gone
+    for end in range(size, at, -_MOVED):
+        first = max(at, end - _MOVED)
+        parameters[first + boxes.size : end + boxes.size] = parameters[first:end].copy()
+    parameters[at : at + boxes.size] = boxes.ravel()
     parameters[header + HEADER - 1] = len(boxes)
     return parameters
 
@@ -108,6 +128,14 @@ def leaf_bounds(count: int, leaves: int) -> Indices:
     return np.arange(leaves + 1, dtype=np.int64) * count // leaves
 
 
+def _middles(vertices: Floats, triangles: Indices) -> Floats:
+    """Return the means (n, 3) [m] of the corners of triangles (n, 3)."""
+    middles = np.empty((len(triangles), 3))
+    for some in slices_of(len(triangles)):
+        middles[some] = vertices[triangles[some]].mean(axis=1)
+    return middles
+
+
 def _order(middles: Floats, leaves: int) -> Indices:
     """Return the order of triangles in the leaves, by their middles (n, 3)."""
     count = len(middles)
@@ -128,23 +156,21 @@ def _order(middles: Floats, leaves: int) -> Indices:
     return order
 
 
-def _nodes(corners: Floats, leaves: int) -> Floats:
-    """Return the nodes (2 L - 1, NODE_WIDTH) over triangles in the order of the leaves."""
-    starts = leaf_bounds(len(corners), leaves)[:-1]
-    nodes = np.empty((2 * leaves - 1, NODE_WIDTH))
+def put_nodes(nodes: Floats, sums: Floats, corners: Floats, starts: Indices) -> None:
+    """Write the nodes (2 L - 1, NODE_WIDTH) over triangles in the order of the leaves.
+
+    ``starts`` (L + 1,) are the offsets of the leaves' first triangles, the end last; ``sums``
+    (2 L - 1, SUMS) is scratch.
+    """
+    leaves = len(starts) - 1
     # Sums over the triangles below: area, area vector (3), area times middle (3), and area vector
     # times middle (3 x 3), from the middle of it all so that no digits are lost.
-    sums = np.empty((2 * leaves - 1, SUMS))
     origin = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
-    middles = corners.mean(axis=1) - origin
-    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(vectors, axis=1)[:, None]
-    moments = (vectors[:, :, None] * middles[:, None, :]).reshape(-1, 9)
-    each = np.hstack((areas, vectors, areas * middles, moments))
     first = leaves - 1
-    sums[first:] = np.add.reduceat(each, starts)
-    nodes[first:, LOWER : LOWER + 3] = np.minimum.reduceat(corners.min(axis=1), starts)
-    nodes[first:, UPPER : UPPER + 3] = np.maximum.reduceat(corners.max(axis=1), starts)
+    for some in slices_of(leaves):
+        of_leaves = slice(first + some.start, first + some.stop)
+        ends = starts[some.start : some.stop + 1]
+        _put_leaves(nodes[of_leaves], sums[of_leaves], corners, ends, origin)
     while first > 0:
         below, first = slice(first, 2 * first + 1), first // 2
         level = slice(first, 2 * first + 1)
@@ -152,6 +178,27 @@ def _nodes(corners: Floats, leaves: int) -> Floats:
         nodes[level, LOWER : LOWER + 3] = np.minimum(left[:, :3], right[:, :3])
         nodes[level, UPPER : UPPER + 3] = np.maximum(left[:, 3:6], right[:, 3:6])
         sums[level] = sums[below][::2] + sums[below][1::2]
+    for some in slices_of(len(nodes)):
+        _put_means(nodes[some], sums[some], origin)
+
+
+def _put_leaves(
+    nodes: Floats, sums: Floats, corners: Floats, starts: Indices, origin: Floats
+) -> None:
+    """Write boxes and sums of some leaves."""
+    corners, firsts = corners[starts[0] : starts[-1]], starts[:-1] - starts[0]
+    middles = corners.mean(axis=1) - origin
+    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(vectors, axis=1)[:, None]
+    moments = (vectors[:, :, None] * middles[:, None, :]).reshape(-1, 9)
+    each = np.hstack((areas, vectors, areas * middles, moments))
+    sums[:] = np.add.reduceat(each, firsts)
+    nodes[:, LOWER : LOWER + 3] = np.minimum.reduceat(corners.min(axis=1), firsts)
+    nodes[:, UPPER : UPPER + 3] = np.maximum.reduceat(corners.max(axis=1), firsts)
+
+
+def _put_means(nodes: Floats, sums: Floats, origin: Floats) -> None:
+    """Write what follows from the boxes and sums of some nodes."""
     areas, vectors, total, moments = np.split(sums, (1, 4, 7), axis=1)
     centres = np.divide(total, areas, out=np.zeros_like(total), where=areas > 0.0)
     about = moments - (vectors[:, :, None] * centres[:, None, :]).reshape(-1, 9)
@@ -160,4 +207,3 @@ def _nodes(corners: Floats, leaves: int) -> Floats:
     far = np.maximum(centres - nodes[:, :3], nodes[:, 3:6] - centres)
     nodes[:, RADIUS] = np.linalg.norm(far, axis=1)
     nodes[:, MOMENT] = np.linalg.norm(about, axis=1)
-    return nodes

@@ -24,8 +24,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.coarse import class_of
 from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
+    COIN_WIDTH,
     Coin,
-    coin_parameters,
+    put_coins,
     separation_beside,
     separation_of_coins,
 )
@@ -114,7 +115,8 @@ def test_coins_hold_their_triangles(seed, count, flat, size):
         leaves *= 2
     corners = size * rng.normal(size=(count, 3, 3)) * [1.0, 1.0, flat]
     starts = leaf_bounds(count, leaves)
-    coins = coin_parameters(corners, starts)
+    coins = np.empty((2 * leaves - 1, COIN_WIDTH))
+    put_coins(coins, corners, starts)
     for k in range(2 * leaves - 1):
         first = last = k
         while first < leaves - 1:

@@ -1,0 +1,103 @@
+"""A large shape is in memory once: its parameters are those of the tables that queries read."""
+
+import gc
+import weakref
+
+import numpy as np
+import pytest
+import trimesh
+
+from drake_geom_ros.geometry import (
+    FramePoseVector,
+    GeometryFrame,
+    GeometryInstance,
+    Mesh,
+    MeshData,
+    OccupiedCells,
+    ProximityProperties,
+    SceneGraph,
+    Sphere,
+)
+from drake_geom_ros.geometry.shapes.primitives import for_queries
+from drake_geom_ros.math import RigidTransform
+
+CELLS = np.stack(np.meshgrid(*[np.arange(24.0)] * 3), axis=-1).reshape(-1, 3)
+
+
+def cells():
+    return OccupiedCells(1.0, CELLS)
+
+
+def solid():
+    ball = trimesh.creation.icosphere(subdivisions=4)
+    vertices = np.array(ball.vertices)
+    bumpy = vertices * (1.0 + 0.2 * np.sin(5.0 * vertices[:, :1]))
+    return Mesh.FromMeshData(MeshData(bumpy, np.array(ball.faces)))
+
+
+class Scene:
+    """A large shape and a ball on a frame."""
+
+    def __init__(self, shape, is_solid):
+        self.graph = SceneGraph()
+        self.source = self.graph.RegisterSource('test')
+        self.large = self.add(shape, 'large', solid=is_solid)
+        self.frame = self.graph.RegisterFrame(self.source, GeometryFrame('ball'))
+        self.add(Sphere(0.3), 'ball', self.frame)
+        self.context = self.graph.CreateSharedContext()
+        self.query = self.graph.get_query_output_port().Eval(self.context)
+
+    def add(self, shape, name, frame=None, solid=False):
+        properties = ProximityProperties()
+        if solid:
+            properties.AddProperty('mesh', 'solid', True)
+        instance = GeometryInstance(RigidTransform(), shape, name)
+        instance.set_proximity_properties(properties)
+        frame = frame or self.graph.world_frame_id()
+        return self.graph.RegisterGeometry(self.source, frame, instance)
+
+    def distances(self):
+        pose = RigidTransform([-3.0, 0.2, 0.1])
+        self.context.UpdateFramePoses(FramePoseVector({self.frame: pose}))
+        return self.query.ComputeSignedDistancePairwiseClosestPoints().distance.tolist()
+
+
+@pytest.mark.parametrize(('make', 'is_solid'), [(cells, False), (solid, True)])
+def test_the_parameters_of_a_large_shape_are_those_of_the_tables(make, is_solid):
+    shape = make()
+    packed = for_queries(shape, is_solid).in_pairs
+    values, alone = packed.parameters.copy(), weakref.ref(packed.parameters)
+    scene = Scene(shape, is_solid)
+    before = scene.distances()
+    pool = scene.query._state.world.geometries.pool
+    assert np.shares_memory(packed.parameters, pool)
+    np.testing.assert_array_equal(packed.parameters, values)
+    gc.collect()
+    assert alone() is None  # it was there once more
+    for k in range(9):  # rows are kept, then all are made again
+        scene.add(Sphere(0.1), f'ball {k}')
+        assert scene.distances()[: len(before)] == before
+    tables = scene.query._state.world.geometries
+    assert np.shares_memory(packed.parameters, tables.pool)
+    assert not np.shares_memory(packed.parameters, pool)
+    with pytest.raises(ValueError, match='read-only'):
+        packed.parameters[0] = 0.0
+
+
+def test_another_shape_of_one_mesh_shares_them_too():
+    shape = solid()
+    packed = for_queries(shape, True).in_pairs
+    scene = Scene(shape, True)
+    first = scene.distances()
+    again = Mesh.FromMeshData(MeshData(*shape.surface()))
+    assert for_queries(again, True).in_pairs is packed
+    assert Scene(again, True).distances() == first
+
+
+def test_a_shape_that_fills_little_of_a_pool_keeps_its_own():
+    shape = OccupiedCells(1.0, CELLS[:2000])
+    packed = for_queries(shape).in_pairs
+    scene = Scene(shape, False)
+    scene.add(cells(), 'more')
+    scene.distances()
+    assert not np.shares_memory(packed.parameters, scene.query._state.world.geometries.pool)
