@@ -8,7 +8,13 @@ from live.scene.test_scene_rules import TYPES
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.gates import all_gates, decide_gate, gates_of_parameter
-from drake_geom_ros.live.outputs.rule_events import PERIOD, RuleEvents, RuleSettings, RuleTopics
+from drake_geom_ros.live.outputs.rule_events import (
+    PERIOD,
+    RuleEvents,
+    RuleSettings,
+    RuleTopics,
+    StopEffects,
+)
 from drake_geom_ros.live.velocity_gate import VelocityGate
 from drake_geom_ros.scene_files import Gate, read_scene
 
@@ -64,7 +70,10 @@ class Driven:
         self.gate.open()
         settings = RuleSettings(stale_after=0.5)
         topics = RuleTopics(*(Topic() for _ in range(5)))
-        self.events = RuleEvents(topics, TYPES, lambda: settings, lambda pairs, seconds: None)
+        self.effects = StopEffects.fresh()
+        self.events = RuleEvents(
+            topics, TYPES, lambda: settings, lambda pairs, seconds: None, self.effects
+        )
         self.events.tell_gates = self._decide
         with self.live.editing() as scene:
             scene.poses.watch_motion(1.0)
@@ -135,3 +144,17 @@ def test_a_robot_whose_braking_no_rule_can_prove_does_not_move(tmp_path):
     with driven.live.reading() as scene:
         decide_gate(scene, 'body', driven.gate, driven.clock.now)
     assert 'is no robot whose braking' in driven.gate.allowed(driven.clock.now).why
+
+
+def test_a_report_of_cycles_counts_what_proofs_look_at_and_leave_out(tmp_path):
+    driven, forward = Driven(tmp_path), (1.0, 0, 0, 0, 0, 0)
+    assert driven.effects.looked.take().reason == 'no rule of level stoppable'
+    driven.stand(-9.0, command=forward)
+    driven.stand(-8.98, command=forward)  # it moves, far from the wall
+    looked, far_pairs, far_bodies, idle = (row.take() for row in driven.effects)
+    assert (looked.count, looked.reason) == (0, '')
+    assert min(far_pairs.count, far_bodies.count, idle.count) > 0
+    driven.stand(WALL - 0.6)
+    driven.effects.looked.take()
+    driven.stand(WALL - 0.55)  # fast, beside it
+    assert driven.effects.looked.take().count > 0
