@@ -20,7 +20,13 @@ MODULES = (
     *('scene_files', 'trajectories', 'batch', 'optimization'),
     *('proximity_rules', 'stopping', 'recordings'),
     *('client', 'common'),
-    *('common.value', 'common.eigen_geometry', 'viewing.notebook', 'viewing.meshcat'),
+    *(
+        'common.value',
+        'common.eigen_geometry',
+        'viewing.notebook',
+        'viewing.page.explore',
+        'viewing.meshcat',
+    ),
 )
 _SECTIONS = ('Args:', 'Returns:', 'Raises:', 'Yields:')
 _INTRODUCTION = """# The Python API

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ from drake_geom_ros.proximity_rules.speed_scale import SpeedScale
 from drake_geom_ros.proximity_rules.unseen_bodies import with_unseen_bodies
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
 from drake_geom_ros.stopping import Stop
+
+Points: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class RuleState(NamedTuple):
@@ -292,6 +294,24 @@ class RuleMonitor:
     def watched(self) -> WatchedPairs:
         """The pairs that the rules watch."""
         return self._watched
+
+    @property
+    def measurement(self) -> Seen | None:
+        """The last measurement of the present pairs; None before the first one."""
+        return self._seen
+
+    def nearest_points(self) -> list[Points | None]:
+        """Return p_WCa and p_WCb (3,) [m] of the nearest pair of each rule.
+
+        A on each pair is the geometry with the lower id. None for a rule without a pair that was
+        near enough to be measured, and for one of whose bodies nothing is known.
+        """
+        if self._seen is None:
+            return [None] * len(self.rules)
+        measured, nearest = self._seen
+        rows = nearest.lowest_pair[self._watched.groups].tolist()
+        pairs = [None if row < 0 else (measured.p_WCa[row], measured.p_WCb[row]) for row in rows]
+        return [pair if pair and np.isfinite(pair).all() else None for pair in pairs]
 
     @property
     def next_sequence(self) -> int:

@@ -42,7 +42,7 @@ from drake_geom_ros.ros.gates import Gates
 from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
-from drake_geom_ros.ros.outputs import cameras
+from drake_geom_ros.ros.outputs import cameras, rule_points
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
@@ -50,6 +50,7 @@ from drake_geom_ros.ros.outputs.diagnostics import (
     add_counts,
     add_trouble,
 )
+from drake_geom_ros.ros.outputs.rule_points import RulePoints
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.planning_scenes import PlanningScenes, SceneOutput
 from drake_geom_ros.ros.robot_listening import listen_to_robots
@@ -69,6 +70,7 @@ from drake_geom_ros.ros.surface import (
     calls,
     images,
     latched,
+    results,
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
@@ -123,7 +125,9 @@ class ConfiguredNode:
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         judged = trajectory_watch.effect()
         self._watch = _trajectory_watch(live, publishers, node.get_logger(), judged)
-        beside = (*self._beside.values(), self._cameras.beside, decided, *proofs, judged)
+        self._rule_points = RulePoints(live, surface, results())
+        points = self._rule_points.beside
+        beside = (*self._beside.values(), self._cameras.beside, points, decided, *proofs, judged)
         self._cycle = Cycle(
             messages,
             {name: publishers[f'~/{name}'] for name in CYCLE_TOPICS},
@@ -338,6 +342,7 @@ class ConfiguredNode:
             *((period, task, beside) for period, task in self._shown.tasks()),
             (level_costs.PERIOD, self._costs.measure, beside),
             (rule_events.PERIOD, self._stream.rules_are_due, self._groups.stream),
+            (rule_points.PERIOD, self._publish_rule_points, beside),
             (replays.PERIOD, self._write_replays, beside),
             (trajectory_watch.PERIOD, self._look_at_trajectories, self._groups.watching),
             (_HOUSEKEEPING_PERIOD, self._keep_house, None),
@@ -356,6 +361,10 @@ class ConfiguredNode:
     def _look_at_trajectories(self) -> None:
         if self._stream.active:
             self._watch.look()
+
+    def _publish_rule_points(self) -> None:
+        if self._stream.active:
+            self._rule_points.publish()
 
     def _take_images(self) -> None:
         if self._stream.active:

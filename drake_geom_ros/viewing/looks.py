@@ -49,7 +49,7 @@ PAIR_COLOURS: dict[str, Colour] = {
 }
 # Colours of sensed cells that are new and that are about to be stale, of stale ones, of those
 # beside bodies, and of those that bodies hide from the sensor.
-MAP_AGES: tuple[Colour, Colour] = ((0.00, 0.62, 0.45, 0.9), (0.90, 0.62, 0.00, 0.9))
+MAP_AGES: tuple[Colour, Colour] = ((0.00, 0.45, 0.70, 0.9), (0.90, 0.62, 0.00, 0.9))
 STALE_COLOUR: Colour = (0.84, 0.37, 0.00, 0.9)
 SHELL_COLOUR: Colour = (0.94, 0.89, 0.26, 0.9)
 SHADOW_COLOUR: Colour = (0.80, 0.47, 0.65, 0.9)

@@ -1,5 +1,8 @@
 """The files that ship in config/: every parameter with its default, and topics that exist."""
 
+import json
+import re
+
 import pytest
 import yaml
 from conventions.source_tree import ROOT
@@ -7,6 +10,7 @@ from rcl_interfaces.srv import GetParameters
 from ros.harness import Process
 
 from drake_geom_ros.ros.parameters import NodeParameters
+from drake_geom_ros.ros.topics import OUTPUTS
 
 FILE = ROOT / 'config/scene_graph.yaml'
 
@@ -40,3 +44,25 @@ def test_rviz_shows_the_markers_of_the_node():
     displays = {d['Class'].split('/')[1]: d for d in config['Visualization Manager']['Displays']}
     assert set(displays) == {'Grid', 'TF', 'MarkerArray'}
     assert displays['MarkerArray']['Topic']['Value'] == '/scene_graph/markers'
+
+
+def panels(layout):
+    """Return the panels of a layout of Foxglove, from left to right."""
+    if isinstance(layout, str):
+        return [layout]
+    return [*panels(layout['first']), *panels(layout['second'])]
+
+
+def test_foxglove_shows_topics_and_fields_of_the_node():
+    content = json.loads((ROOT / 'config/foxglove.json').read_text())
+    assert sorted(panels(content['layout'])) == sorted(content['configById'])
+    paths = []
+    for panel in content['configById'].values():
+        paths += [path['value'] for path in panel.get('paths', ())]
+        paths += [panel[key] for key in ('topicPath', 'topicToRender') if key in panel]
+        paths += list(panel.get('topics', ()))
+    assert len(paths) == 7
+    for path in paths:
+        topic, *fields = re.sub(r'\[:\]$', '', path).split('.')
+        kind = OUTPUTS[topic.replace('/scene_graph/', '~/')].kind
+        assert set(fields) <= set(kind.get_fields_and_field_types()), path

@@ -20,9 +20,11 @@ def run(notebook):
     return names
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize('notebook', NOTEBOOKS, ids=lambda path: path.stem)
 def test_it_runs_and_has_no_stored_outputs(notebook, monkeypatch):
     pytest.importorskip('scipy')
+    pytest.importorskip('viser')
     monkeypatch.chdir(ROOT)
     matplotlib.use('Agg')
     run(notebook)

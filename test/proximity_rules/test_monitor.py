@@ -539,3 +539,17 @@ def test_the_greatest_enter_of_what_shares_a_pair_is_that_of_all_pairs_of_rules(
             if (a & c and b & d) or (a & d and b & c)
         ]
         assert found[k] == max(shared, default=0.0)
+
+
+def test_nearest_points_are_those_of_the_lowest_bound_and_none_before():
+    watch = monitor(rule())
+    assert watch.nearest_points() == [None]
+    before = watch.measurement
+    seen = measured((0, 4, 0.3, 0.0), (1, 5, 0.31, 0.05))
+    seen = seen._replace(p_WCa=np.arange(6.0).reshape(2, 3), p_WCb=-np.arange(6.0).reshape(2, 3))
+    watch.decide(0.0, FRESH, seen)
+    assert watch.measurement is not before
+    ((p_WCa, p_WCb),) = watch.nearest_points()
+    assert (p_WCa.tolist(), p_WCb.tolist()) == ([3.0, 4.0, 5.0], [-3.0, -4.0, -5.0])
+    watch.decide(1.0, FRESH, NOTHING)
+    assert watch.nearest_points() == [None]

@@ -118,6 +118,15 @@ class SceneRules:
         return self._monitor.next_sequence
 
     @property
+    def measurement(self) -> object:
+        """The last measurement of the present pairs, to tell it from another; None: none."""
+        return self._monitor.measurement
+
+    def nearest_points(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]] | None]:
+        """Return p_WCa and p_WCb [m] of the nearest pair of each rule; see ``RuleMonitor``."""
+        return self._monitor.nearest_points()
+
+    @property
     def is_measured(self) -> bool:
         """True if the rules were decided by the distances of the present pairs."""
         return self._monitor.is_measured
