@@ -11,11 +11,11 @@ import matplotlib as mpl
 mpl.use('Agg')
 from matplotlib import pyplot as plt
 
-from bench.pages import table
+from bench.pages import legend_below, table
 from bench.stopping.room import ROBOTS
 
 Rows = list[dict[str, str]]
-_COLOURS = {'arm': '#1f5fa8', 'base': '#2a8a57'}
+_COLOURS = {'arm': '#1f5fa8', 'base': '#e66100'}
 
 
 def read(path: Path) -> dict[str, Rows]:
@@ -63,5 +63,6 @@ def plot(path: Path, target: Path) -> None:
         axes.bar_label(bars, fmt='%.0f')
     axes.set_xticks([n + 0.18 for n in range(len(runs))], list(runs))
     axes.set_ylabel('motion [% of the time]')
-    axes.legend()
+    axes.margins(y=0.12)
+    legend_below(figure, 2)
     figure.savefig(target, dpi=110)

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,13 @@ from drake_geom_ros.command_line import view
 from drake_geom_ros.viewing.page.commands import Commands
 
 _DESK, _PHONE = (1600, 1000), (390, 844)
+# A gap of the arms at which the demo's motion enters rules, and bodies that rest on the table.
+_RULES = """
+proximity_rules:
+- {name: hands off, set_a: left, set_b: right, level: stop, enter: 0.05, leave: 0.08}
+- {name: go slowly, set_a: left, set_b: right, level: slow, enter: 0.2, leave: 0.25}
+- {name: near the fence, set_a: right, set_b: fence, level: warn, enter: 0.3, leave: 0.35}
+"""
 _SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
 _CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
 _COLOURS = 256  # of a picture, which is a third as large so
@@ -70,22 +78,25 @@ def with_demo(out: Path) -> None:
 
 
 def with_node(out: Path) -> None:
-    """Photograph the page of a running demo."""
+    """Photograph the page of a running demo with three rules."""
     from bench.ros.beside import NODE, VIEWER
     from bench.ros.driver import MOTION, PLAYER, SCENE
     from bench.ros.processes import Processes
 
-    with Processes() as processes:
-        processes.start(NODE, scene_file=SCENE, max_distance=0.3)
-        processes.start(PLAYER, scene_file=SCENE, trajectory_file=MOTION, rate=50.0)
-        processes.start(VIEWER, port=18301, max_distance=0.3)
+    with tempfile.TemporaryDirectory() as folder, Processes() as processes:
+        scene = Path(folder) / 'cell.yaml'
+        text = Path(SCENE).read_text(encoding='utf-8')
+        scene.write_text(text + _RULES, encoding='utf-8')
+        processes.start(NODE, scene_file=str(scene), max_distance=0.1)
+        processes.start(PLAYER, scene_file=str(scene), trajectory_file=MOTION, rate=20.0)
+        processes.start(VIEWER, port=18301, max_distance=0.1)
         time.sleep(_SETTLING)
         browser = opened('http://127.0.0.1:18301/', *_DESK)
-        browser.ask("document.querySelector('#pairs tbody tr').click()")
-        time.sleep(1.0)
-        browser.ask('document.querySelector(\'[data-view="fit"]\').click()')
         press(browser, 'to-live')
         photograph(browser, out / 'viewing_node.png')
+        press(browser, 'to-rules')
+        browser.wait_for(lambda: 'entered: near' in browser.text(), 'a rule that is entered')
+        photograph(browser, out / 'proximity_rules.png')
         browser.close()
 
 

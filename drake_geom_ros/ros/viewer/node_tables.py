@@ -94,7 +94,7 @@ class NodeTables:
             pair = int(message.id_a[k]), int(message.id_b[k])
             bodies = ' | '.join(filter(None, (message.geometry_a[k], message.geometry_b[k])))
             cells = (
-                f'{stamp.sec % 86400 + 1e-9 * stamp.nanosec:.2f}',
+                _time_of_day(stamp.sec + 1e-9 * stamp.nanosec),
                 rule,
                 f'{level.name.lower()} {"entered" if entered else "left"}',
                 in_words(message.why[k]),
@@ -118,7 +118,7 @@ class NodeTables:
 
     def _stops(self) -> TextTable:
         scale = '' if self._scale is None else f', speed scale {self._scale:.2f}'
-        columns = ('time [s of day]', 'rule', 'change', 'why', 'pair', 'distance')
+        columns = ('time [UTC]', 'rule', 'change', 'why', 'pair', 'distance')
         empty = 'no rule was entered or left since this page was opened'
         return TextTable(f'Events{scale}', columns, list(self._events), empty)
 
@@ -169,6 +169,13 @@ def stopping_table(message: msg.Stopping) -> TextTable:
         )
         rows.append(TextRow(cells, not message.clear[k], pair if all(pair) else None))
     return TextTable('Stopping', columns, rows)
+
+
+def _time_of_day(seconds: float) -> str:
+    """Return the time of day of a stamp, as its clock has it."""
+    minutes, rest = divmod(seconds % 86400.0, 60.0)
+    hours, minutes = divmod(minutes, 60.0)
+    return f'{hours:02.0f}:{minutes:02.0f}:{rest:04.1f}'
 
 
 def _age(seconds: float) -> str:

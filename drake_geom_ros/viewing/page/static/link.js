@@ -44,9 +44,13 @@ on('file', ({name, text}) => {
 });
 
 const names = {};  // of bodies: full name, short name, source
+const shortByName = {};
 on('scene', ({bodies}) => {
   for (const key of Object.keys(names)) delete names[key];
-  for (const [id, name, short] of bodies) names[id] = {name, short, source: name.split('::')[0]};
+  for (const [id, name, short] of bodies) {
+    names[id] = {name, short, source: name.split('::')[0]};
+    shortByName[name] = short;
+  }
 });
 const shortOf = id => names[id]?.short ?? `#${id}`;
 const selectedIds = () => (state.selection?.bodies ?? []).map(body => body.id);

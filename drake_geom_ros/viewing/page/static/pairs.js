@@ -54,7 +54,7 @@ function pairRow(row, selected) {
     onclick: visitIt, onkeydown: event => { if (event.key === 'Enter') visitIt(); },
   },
   element('td', {className: 'number'}, swatch(colourOf(distance, farthest)), millimetres(distance), error),
-  element('td', {}, shortOf(a)), element('td', {}, shortOf(b)));
+  element('td', {className: 'name'}, shortOf(a)), element('td', {className: 'name'}, shortOf(b)));
 }
 
 function showPairs() {

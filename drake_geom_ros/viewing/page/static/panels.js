@@ -163,13 +163,15 @@ on('values', ({joints, frame}) => {
 // A running node: sensors, ages, events.
 
 const liveTab = element('div');
+/** Return a text with the short names of the bodies that it names, parted by bars. */
+const shortened = text => text.split(' | ').map(part => shortByName[part] ?? part).join(' | ');
 function showLive() {
   const sensors = state.sensors ?? {rows: [], kinds: [], colours: []}, options = state.options;
   const parts = [];
   for (const {title, columns, rows, empty} of state.tables ?? []) {
     parts.push(...titled(title, rows.length ? table(columns, rows.map(([cells, warns, pair]) => element('tr', {
       className: `${warns ? 'warns' : ''} ${pair ? 'link' : ''}`, onclick: () => pair && visit(pair),
-    }, cells.map(cell => element('td', {}, cell))))) : hint(empty)));
+    }, cells.map(cell => element('td', {className: cell.includes('::') ? 'name' : ''}, shortened(cell)))))) : hint(empty)));
   }
   if (sensors.rows.length && options) {
     const hidden = source => options.hidden.includes(`sensor ${source}`);
