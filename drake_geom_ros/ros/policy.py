@@ -31,8 +31,8 @@ from drake_geom_ros.ros.topics import OUTPUTS
 
 VERSION = '0.2.0'  # of the format
 # What the node has, by names as it gives them: ~ is its own.
-# Topics of cameras come and go: the star stands for any of them.
-RESULTS = (*OUTPUTS, '~/transition_event', '~/cameras/*')
+# Topics of cameras and rules come and go: the star stands for any of them.
+RESULTS = (*OUTPUTS, '~/transition_event', '~/cameras/*', '~/proximity_rules/*')
 SHARED_RESULTS = ('/tf', '/tf_static')  # of cameras
 INPUTS = tuple(row.topic for row in topics.INPUTS if '{' not in row.topic)
 # What its process of sensors hears, a node of its own.

@@ -82,8 +82,9 @@ def node(tmp_path):
 
 def test_it_allows_exactly_what_a_node_has(node, lone_client):
     found = allowed(policy(NAMESPACE, NAME), NODE, NAME)
-    # Those of cameras, of which there is none here.
-    found['publish'] -= {f'{NODE}/cameras/*', '/tf', '/tf_static'}
+    # Those of cameras and of rules, of which there are none here.
+    found['publish'] -= {f'{NODE}/{each}/*' for each in ('cameras', 'proximity_rules')}
+    found['publish'] -= {'/tf', '/tf_static'}
     # The messages of OctoMap and MoveIt are no part of ours.
     found['subscribe'] -= {f'{NODE}/obstacles/octomap'}
     if not HAS_MOVEIT:
