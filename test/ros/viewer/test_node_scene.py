@@ -179,6 +179,7 @@ def test_ages_events_and_sensors_are_tables(lone_client, shown, tmp_path):
             rows = tables_of(shown).get('Events')
             return rows is not None and any(row.cells[1:3] == wanted for row in rows.rows)
 
+        lone_client.wait_for(lambda: shown.moment(1.0, 'exact').geometries.names, 'the scene')
         lone_client.wait_for(lambda: told(0.5, ('near', 'stop entered')), 'the stop')
         entered = next(r for r in tables_of(shown)['Events'].rows if r.cells[2] == 'stop entered')
         assert entered.warns
