@@ -41,9 +41,9 @@ _SIZES = 'subscription', 'guard_condition', 'timer', 'client', 'service'  # of a
 
 def can_keep_wait_sets() -> bool:
     """Return whether this rclpy has inside what is used here, which is none of its API."""
-    known = getattr(rclpy_implementation, 'WaitSet', None)
+    wait_set = getattr(rclpy_implementation, 'WaitSet', None)
     takes = all(hasattr(Executor, f'_take_{kind}') for kind in _ORDER)
-    return takes and all(hasattr(known, name) for name in _NEEDED)
+    return takes and all(hasattr(wait_set, name) for name in _NEEDED)
 
 
 class GroupWaitSet:

@@ -71,13 +71,13 @@ class PosedPairs:
         moment: Moment,
         question: MotionQuestion,
         path: JointPath,
-        asked: Indices,
+        chosen: Indices,
         approaching: MovingPairs,
     ) -> Judged:
         """Return the answer about some places of pairs, which approach as ``approaching`` does."""
         self._be_at(moment)
         skipped = np.ones(len(self.rows), dtype=np.bool_)
-        skipped[asked] = False
+        skipped[chosen] = False
         speeds, since = approaching.speeds, approaching.since(moment.ages)
         key = question, *(array.tobytes() for array in (skipped, *path, speeds, since))
         if key not in self._judged:
@@ -107,7 +107,7 @@ class MovingPairs:
         self._pairs = posed.pairs[self._places]
         self.used = np.unique(self._pairs)
         self._bits = np.packbits(about.relative[which], axis=1)
-        # (m,) [m/s] at which all pairs that are posed approach by themselves; others are not asked
+        # (m,) [m/s] at which all posed pairs approach by themselves; 0: it is not asked about
         self.speeds: Floats = np.zeros(len(posed.rows))
         self.speeds[self._places] = self._of_pairs(self._speeds)
 
@@ -127,18 +127,18 @@ class MovingPairs:
         """Return which pairs (k,) move relative to each other with some columns (c,)."""
         return np.asarray((self._bits & np.packbits(columns)).any(axis=1))
 
-    def bodies_of(self, asked: Flags) -> Indices:
+    def bodies_of(self, chosen: Flags) -> Indices:
         """Return the places of the bodies of some pairs (k,), each as often as it is in one."""
-        return self._pairs[asked].ravel()
+        return self._pairs[chosen].ravel()
 
     def of(self, stop: Stop) -> Flags:
         """Return the mask (k,) of the pair that an answer names."""
         return np.asarray((self._posed.ids[self._pairs] == (stop.id_A, stop.id_B)).all(axis=1))
 
     def follow(
-        self, moment: Moment, way: StopPath, asked: Flags, margin: float, most: int
+        self, moment: Moment, way: StopPath, chosen: Flags, margin: float, most: int
     ) -> Judged:
-        """Return the answer about a path and the ``asked`` pairs (k,)."""
+        """Return the answer about a path and the ``chosen`` pairs (k,)."""
         widest = float((way.reached[1:] - way.reached[:-1]).max()) or 1.0
         question = MotionQuestion(
             min_distance=margin,
@@ -146,13 +146,13 @@ class MovingPairs:
             max_evaluations=most,
             quick=True,
         )
-        return self._posed.follow(moment, question, way.path, self._places[asked], self)
+        return self._posed.follow(moment, question, way.path, self._places[chosen], self)
 
-    def stop(self, way: StopPath, judged: Judged, asked: Flags, most: int) -> Stop:
+    def stop(self, way: StopPath, judged: Judged, chosen: Flags, most: int) -> Stop:
         """Return the answer about a path over shares."""
         answer, end = judged.answer, float(way.reached[-1])
         is_proved = answer.outcome == 'clear'
-        looked = int(np.count_nonzero(judged.examined[self._places] & asked))
+        looked = int(np.count_nonzero(judged.examined[self._places] & chosen))
         places = (answer.a, answer.b) if answer.a >= 0 else ()
         id_A, id_B = [int(self._posed.ids[place]) for place in places] or (0, 0)
         spent = not is_proved and 0 < most <= answer.evaluations
@@ -168,7 +168,7 @@ class MovingPairs:
             least_clearance=answer.lower_bound if is_proved else -math.inf,
             contact_time=math.inf if is_proved else 0.0,
             pairs=looked,
-            far_pairs=int(np.count_nonzero(asked)) - looked,
+            far_pairs=int(np.count_nonzero(chosen)) - looked,
             evaluations=answer.evaluations,
             trouble='max_evaluations were used up before it was proved' if spent else '',
         )

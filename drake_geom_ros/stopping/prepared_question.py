@@ -40,7 +40,7 @@ class _Part(NamedTuple):
     """Pairs of a question that are looked at together, and how the columns move that move them."""
 
     pairs: MovingPairs
-    asked: Flags  # (k,)
+    chosen: Flags  # (k,)
     profile: StopProfile
     along: bool  # all columns brake along one path; otherwise each may stop by itself
 
@@ -118,7 +118,7 @@ class PreparedQuestion:
         """
         bodies, near = np.zeros((2, len(self._ids)), dtype=np.bool_)
         for part in parts:
-            bodies[part.pairs.bodies_of(part.asked)] = True
+            bodies[part.pairs.bodies_of(part.chosen)] = True
         near[self._posed.pairs[looked].ravel()] = True
         mine = looked[np.searchsorted(self._posed.rows, self._about.rows)]
         busy = self._about.relative[mine].any(axis=0)
@@ -135,16 +135,16 @@ class PreparedQuestion:
         """
         along = self.question.braking.category == StopCategory.ALONG_PATH
         moving, parts = self._own & (profile.velocities != 0.0), list[_Part]()
-        if (asked := self._shared.moved_by(moving)).any():
+        if (chosen := self._shared.moved_by(moving)).any():
             others = self._of_others(moment, every)
             if isinstance(others, str):
                 return others
-            independent = (asked & self._shared.moved_by(others.velocities != 0.0)).any()
+            independent = (chosen & self._shared.moved_by(others.velocities != 0.0)).any()
             together = joined(profile, others)
-            parts.append(_Part(self._shared, asked, together, along and not independent))
+            parts.append(_Part(self._shared, chosen, together, along and not independent))
         for pairs in (self._alone, self._slow):
-            if (asked := pairs.moved_by(moving)).any():
-                parts.append(_Part(pairs, asked, profile, along))
+            if (chosen := pairs.moved_by(moving)).any():
+                parts.append(_Part(pairs, chosen, profile, along))
         return parts
 
     def reach(self, moment: Moment) -> float:
@@ -165,8 +165,8 @@ class PreparedQuestion:
         moving = self._own & (profile.velocities != 0.0)
         for each in unmapped:
             body, other = np.searchsorted(self._ids, (each.body, each.other)).tolist()
-            asked = between(np.array([(body, other)]), self._about.in_a, self._about.in_b)
-            if asked.any() and self._about.moved_by[body, moving].any():
+            chosen = between(np.array([(body, other)]), self._about.in_a, self._about.in_b)
+            if chosen.any() and self._about.moved_by[body, moving].any():
                 needed, margin = self._needed(moment, profile, body, other), self.question.margin
                 stop = worse(stop, stop_before(each, needed, margin, profile.fastest))
         return stop
@@ -307,9 +307,9 @@ class PreparedQuestion:
         ``looked`` gets the pairs that were looked at.
         """
         margin, way = self.question.margin, path_over_shares(moment.values, part.profile)
-        judged = part.pairs.follow(moment, way, part.asked, margin, most)
+        judged = part.pairs.follow(moment, way, part.chosen, margin, most)
         looked |= judged.examined
-        return part.pairs.stop(way, judged, part.asked, most)
+        return part.pairs.stop(way, judged, part.chosen, most)
 
     def _in_boxes(self, moment: Moment, part: _Part, most: int, looked: Flags) -> Stop:
         """Return the answer about pairs whose columns stop each by itself.
@@ -317,17 +317,17 @@ class PreparedQuestion:
         An edge that is not proved is looked at again in parts, whose boxes are smaller.
         ``looked`` gets the pairs that were looked at.
         """
-        asked, profile, margin = part.asked, part.profile, self.question.margin
+        chosen, profile, margin = part.chosen, part.profile, self.question.margin
         way = boxes_over_shares(moment.values, profile)
-        judged = part.pairs.follow(moment, way, asked, margin, most)
+        judged = part.pairs.follow(moment, way, chosen, margin, most)
         looked |= judged.examined
-        stop = part.pairs.stop(way, judged, asked, most)
+        stop = part.pairs.stop(way, judged, chosen, most)
         if judged.answer.outcome == 'clear':
             return stop
         first = way.edge(judged.answer.times[0])
         finer = boxes_over_shares(moment.values, profile, first, _FINER)
-        again = part.pairs.follow(moment, finer, asked, margin, most)
-        second = part.pairs.stop(finer, again, asked, most)
+        again = part.pairs.follow(moment, finer, chosen, margin, most)
+        second = part.pairs.stop(finer, again, chosen, most)
         if second.scale <= stop.scale:
             return stop
         return second._replace(clear=False, least_clearance=-math.inf, contact_time=0.0)
@@ -342,11 +342,11 @@ class PreparedQuestion:
         # there, too.
         q = moment.values
         ends = ((part, end_of_stops(q, part.profile), part.pairs.of(stop)) for part in parts)
-        ways = ((part, path_over_time(q, part.profile), part.asked) for part in parts)
-        for part, way, asked in chain(ends, ways):
-            if not asked.any():
+        ways = ((part, path_over_time(q, part.profile), part.chosen) for part in parts)
+        for part, way, chosen in chain(ends, ways):
+            if not chosen.any():
                 continue
-            answer = part.pairs.follow(moment, way, asked, margin, most).answer
+            answer = part.pairs.follow(moment, way, chosen, margin, most).answer
             evaluations += answer.evaluations
             if answer.outcome != 'clear':
                 return stop._replace(evaluations=evaluations)

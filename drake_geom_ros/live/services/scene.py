@@ -143,8 +143,8 @@ def _touched(live: LiveScene, request: Any) -> _Touched:
         robots, names, names_version = list(model.robots), model.names, model.names_version
         inspector = live.view().query.inspector()
     frame = names.frame(request.frame)
-    found = touched_geometries(inspector, names, robots, frame, request.touch_links)
-    return _Touched(names_version, found)
+    touched = touched_geometries(inspector, names, robots, frame, request.touch_links)
+    return _Touched(names_version, touched)
 
 
 def detach(live: LiveScene, request: Any, response: Any) -> None:
