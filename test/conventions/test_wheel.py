@@ -86,7 +86,8 @@ def test_it_holds_all_that_is_read_at_run_time_and_no_tests(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
     inside = {name for name in names if name.startswith('drake_geom_ros/')}
-    data = [PACKAGE / 'py.typed', *PACKAGE.rglob('*.json')]
+    page = (PACKAGE / 'viewing/page/static').iterdir()
+    data = [PACKAGE / 'py.typed', *PACKAGE.rglob('*.json'), *page]
     assert inside == {name_of(path) for path in [*SOURCES, *data]}
     shared = {name.partition(f'.data/data/{SHARE}/')[2] for name in names} - {''}
     rooms = [path for room in ('scenes', 'launch', 'config') for path in (ROOT / room).glob('*.*')]
