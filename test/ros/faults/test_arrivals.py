@@ -343,14 +343,14 @@ def attached_collision_object(site):
     site.until(lambda: publisher.publish(message), lambda: is_attached(False), 'its end')
 
 
-def planning_scene(site):
+def planning_scene(site, topic='/planning_scene'):
     """Take a scene, and remove all objects."""
     from moveit_msgs.msg import CollisionObject, PlanningScene
 
     message = PlanningScene(is_diff=True)
     message.robot_state.is_diff = True
     message.world.collision_objects = [planning_object('other', -31.0)]
-    publisher = site.publisher(PlanningScene, '/planning_scene')
+    publisher = site.publisher(PlanningScene, topic)
     came = partial(has_frame, site, 'planning_scene::other')
     site.until(lambda: publisher.publish(message), came, 'a planning scene')
     everything = CollisionObject(operation=CollisionObject.REMOVE)
@@ -369,6 +369,7 @@ TOPICS = {
     '/collision_object': collision_object,
     '/attached_collision_object': attached_collision_object,
     '/planning_scene': planning_scene,
+    '/monitored_planning_scene': partial(planning_scene, topic='/monitored_planning_scene'),
     '/tf': lambda site: transform(site, '/tf', 10),
     '/tf_static': lambda site: transform(site, '/tf_static', LATCHED),
     '~/obstacles/octomap': octomap,
