@@ -180,11 +180,12 @@ def query_points(site):
 
 
 def robot(site):
-    text = String(data=ARM.format(name='guest'))
+    # With a joint of another name: it would be taken for the arm of the scene else.
+    text = String(data=ARM.format(name='guest').replace('"j1"', '"h1"'))
     publisher = site.publisher(String, '/counted/robot_description', LATCHED)
     publisher.publish(text)
-    site.client.wait_for(lambda: has_joint(site, 'guest::j1'), 'the robot')
-    other = text.data.replace('"j1"', '"k1"')
+    site.client.wait_for(lambda: has_joint(site, 'guest::h1'), 'the robot')
+    other = text.data.replace('"h1"', '"k1"')
     publisher.publish(String(data=other))
     site.client.wait_for(lambda: has_joint(site, 'guest::k1'), 'another robot in its place')
 
