@@ -8,7 +8,7 @@ from conventions.source_tree import ROOT
 
 @pytest.mark.parametrize(
     ('module', 'name'),
-    [('geometry', 'Meshcat'), ('math', 'wrap_to'), ('common', 'temp_directory')],
+    [('geometry', 'RenderEngineGlParams'), ('math', 'wrap_to'), ('common', 'temp_directory')],
 )
 def test_an_import_of_a_missing_name_points_to_the_page(module, name):
     with pytest.raises(ImportError, match=f'{name!r} from .drake_geom_ros.{module}') as told:
@@ -21,9 +21,14 @@ def test_an_import_of_a_missing_name_points_to_the_page(module, name):
 @pytest.mark.parametrize('module', ['geometry', 'math', 'common'])
 def test_asking_for_a_missing_name_is_an_attribute_error(module):
     package = importlib.import_module(f'drake_geom_ros.{module}')
-    assert not hasattr(package, 'Meshcat')
+    assert not hasattr(package, 'wrap_to')
     with pytest.raises(AttributeError, match='differences_from_pydrake'):
-        _ = package.Meshcat
+        _ = package.wrap_to
+
+
+def test_a_name_that_has_another_place_here_is_pointed_to():
+    with pytest.raises(ImportError, match=r"'Meshcat'.*drake_geom_ros\.viewing\.meshcat"):
+        exec('from drake_geom_ros.geometry import Meshcat')
 
 
 def test_modules_are_imported_as_ever():

@@ -15,10 +15,10 @@ from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.report import BY_METHOD
 
 
-def test_every_level_is_measured():
+def test_every_level_and_one_centimetre_are_measured():
     world = random_world(np.random.default_rng(0), 20)
     costs, samples = seconds_a_pair(world, filters_of(world), math.inf, 64, 0)
-    assert tuple(costs) == ACCURACY_LEVELS
+    assert set(costs) == {*ACCURACY_LEVELS, '0.01'}
     assert samples == 64
     assert all(math.isfinite(cost) and cost > 0.0 for cost in costs.values())
 
@@ -50,9 +50,8 @@ def test_only_unfiltered_pairs_within_reach_are_computed_cold(monkeypatch):
     _, samples = seconds_a_pair(world, filters, 0.1, 16, 7)
     assert samples == 16
     measured = calls[1:]
-    assert [query[0] for query, _, _ in measured] == (
-        [math.inf] * TRIALS + [1e-3] * TRIALS + [1e-6] * TRIALS + [1e-9] * TRIALS
-    )
+    levels = [math.inf, 1e-2, 1e-3, 1e-6, 1e-9]
+    assert [query[0] for query, _, _ in measured] == np.repeat(levels, TRIALS).tolist()
     for number, (_, pairs, counts) in enumerate(measured):
         np.testing.assert_array_equal(pairs, measured[0][1])
         assert len(pairs) == 16 * LAPS
