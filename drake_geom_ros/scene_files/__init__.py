@@ -74,6 +74,12 @@ from drake_geom_ros.scene_files.robot_topics import (
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
+from drake_geom_ros.scene_files.touch_links import (
+    TouchLinks,
+    carried_frames,
+    touch_filter,
+    touched_geometries,
+)
 from drake_geom_ros.scene_files.yaml_writer import obstacle_source_text, to_yaml
 
 __all__ = [
@@ -97,6 +103,10 @@ __all__ = [
     'text_format',
     'files_of',
     'hulls_in_words',
+    'TouchLinks',
+    'carried_frames',
+    'touch_filter',
+    'touched_geometries',
     'WORLD',
     'IMAGES',
     'PERCEPTION',

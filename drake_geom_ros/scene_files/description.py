@@ -61,6 +61,7 @@ class FrameDescription:
       source.
     - ``attached_to``: the frame that it follows; X_PF is then in that frame.
     - ``part_of_robot``: name patterns that match its carrier match the attached frame too.
+    - ``touch_links``: names, patterns and groups of what it may touch while it is attached.
     """
 
     source: str
@@ -74,6 +75,7 @@ class FrameDescription:
     attached_to: Member | None = None
     part_of_robot: bool = True
     mounted_on: Member | None = None
+    touch_links: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

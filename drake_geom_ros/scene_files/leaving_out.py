@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from drake_geom_ros.common.frame_names import full_name
 from drake_geom_ros.scene_files.description import (
     DeclarationDescription,
     FilterDescription,
+    FrameDescription,
     Member,
     SceneDescription,
     Statement,
@@ -27,10 +29,17 @@ def without_source(scene: SceneDescription, source: str) -> SceneDescription:
         scene,
         sources=tuple(name for name in scene.sources if name != source),
         robots=tuple(robot for robot in scene.robots if robot.name != source),
-        frames=tuple(frame for frame in scene.frames if frame.source != source),
+        frames=tuple(_not_touching(f, source) for f in scene.frames if f.source != source),
         geometries=tuple(geometry for geometry in scene.geometries if geometry.source != source),
         filters=tuple(filters),
     )
+
+
+def _not_touching(frame: FrameDescription, source: str) -> FrameDescription:
+    """Return a frame that may touch nothing of a source."""
+    whole = full_name((source, ''))
+    names = (n for n in frame.touch_links if n != source and not n.startswith(whole))
+    return replace(frame, touch_links=tuple(names))
 
 
 def _others(members: tuple[Member, ...], source: str) -> tuple[Member, ...]:

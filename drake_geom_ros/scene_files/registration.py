@@ -16,6 +16,7 @@ from drake_geom_ros.geometry import (
     GeometryInstance,
     GeometrySet,
     Mesh,
+    QueryObject,
     Role,
     SceneGraph,
     SceneGraphContext,
@@ -41,6 +42,12 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.drake_names import drake_name
 from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.scene_files.touch_links import (
+    TouchLinks,
+    full_names,
+    touch_filter,
+    touched_geometries,
+)
 
 
 class GeometriesByName(dict[tuple[str, str, str], GeometryId]):
@@ -73,6 +80,7 @@ class LoadedScene:
     - ``cameras``: with the frames that they are on.
     - ``warnings``: those of the description, and the vertices welded to make meshes solid.
     - ``awaited``, ``rules``: the awaited filters and proximity rules of the description.
+    - ``touch_links``: the transient filters of attached frames that may touch something.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -86,6 +94,7 @@ class LoadedScene:
     warnings: tuple[str, ...] = ()
     awaited: tuple[AwaitedFilter, ...] = ()
     rules: tuple[ProximityRule, ...] = ()
+    touch_links: Mapping[FrameId, TouchLinks] = field(default_factory=dict)
 
     def name_of(self, id: GeometryId | FrameId | int) -> str:
         """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
@@ -207,6 +216,11 @@ class _Registration:
         for entry in description.filters:
             with _blame(entry.where):
                 self._apply(entry)
+        touch_links: dict[FrameId, TouchLinks] = {}
+        for frame in description.frames:  # last: no persistent filter follows a transient one
+            if frame.touch_links:
+                with _blame(frame.where):
+                    touch_links |= self._let_touch(frame)
         return LoadedScene(
             self._sources,
             self._frames,
@@ -227,6 +241,7 @@ class _Registration:
             (*description.warnings, *self._welded),
             description.awaited,
             description.rules,
+            touch_links,
         )
 
     @classmethod
@@ -292,6 +307,19 @@ class _Registration:
             X_PF=frame.X_PF,
             is_part=frame.part_of_robot,
         )
+
+    def _let_touch(self, frame: FrameDescription) -> dict[FrameId, TouchLinks]:
+        """Exclude an attached frame from what it may touch; return the filter by its frame."""
+        inspector = self._scene_graph.model_inspector()
+        if self._context is not None:
+            inspector = QueryObject(self._context).inspector()
+        frame_id, robots = self._frames[frame.source, frame.name], self._description.robots
+        touched = touched_geometries(inspector, robots, frame_id, frame.touch_links)
+        if not touched:
+            return {}
+        manager = self._scene_graph.collision_filter_manager(self._context)
+        filter_id = manager.ApplyTransient(touch_filter(inspector, frame_id, touched))
+        return {frame_id: TouchLinks(filter_id, full_names(inspector, touched))}
 
     def _register_geometry(self, geometry: GeometryDescription) -> None:
         source_id = self._sources[geometry.source]

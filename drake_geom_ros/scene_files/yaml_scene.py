@@ -47,6 +47,7 @@ from drake_geom_ros.scene_files.yaml_values import (
 
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
+_OF_ATTACHED = {'part_of_robot', 'touch_links'}  # keys of frames with attached_to
 # Keys of a robot that change how its URDF is read.
 _OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding', 'flat_meshes'}
 
@@ -91,9 +92,9 @@ class _SceneParser:
         for index, plain in enumerate(self._plain.get('frames', ())):
             if {'attached_to', 'mounted_on'} & plain.keys():
                 self._hang(index, plain, names)
-            if 'part_of_robot' in plain and 'attached_to' not in plain:
-                raise self._document.at('frames', index, 'part_of_robot').error(
-                    'part_of_robot is of frames that are attached to another one: give attached_to'
+            for key in _OF_ATTACHED & plain.keys() if 'attached_to' not in plain else ():
+                raise self._document.at('frames', index, key).error(
+                    f'{key} is of frames that are attached to another one: give attached_to'
                 )
         for index, plain in enumerate(self._plain.get('filters', ())):
             if sources := self._awaited(plain):
@@ -250,7 +251,8 @@ class _SceneParser:
         if 'attached_to' in plain:
             to = self._carrier(plain['attached_to'], names, 'frames', index, 'attached_to')
             is_part = plain.get('part_of_robot', True)
-            frame = replace(frame, attached_to=to, part_of_robot=is_part)
+            touch_links = tuple(plain.get('touch_links', ()))
+            frame = replace(frame, attached_to=to, part_of_robot=is_part, touch_links=touch_links)
         if 'mounted_on' in plain:
             to = self._carrier(plain['mounted_on'], names, 'frames', index, 'mounted_on')
             frame = replace(frame, mounted_on=to)

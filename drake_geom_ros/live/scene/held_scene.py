@@ -150,6 +150,9 @@ class HeldScene:
         if loaded.rules or self.rules.rules:
             self.bind_rules()
         self.log.warnings += self.rules.take(loaded.rules)
+        for frame, touch_links in loaded.touch_links.items():
+            owner = f'attach {self.model.names.frame_names[frame]}'
+            self.filters.begin_attached(frame, owner, touch_links)
         self.filters.awaited.begin(loaded.awaited)
         self.filters.bind()
         self.cameras.begin(loaded.cameras)
@@ -290,6 +293,7 @@ class HeldScene:
             self.maps.sources,
             self.gates,
             has_tracked=self.tracked.heartbeat is not None,
+            touch_links=self.filters.lasting_touch_links(),
         )
 
     def mark(self) -> SceneMark:

@@ -13,6 +13,9 @@ from drake_geom_ros.live.scene.leases import Leases
 from drake_geom_ros.live.scene.scene_log import SceneLog
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.touch_links import AttachmentFilters
+from drake_geom_ros.scene_files import TouchLinks
+
+_MANY = 100  # geometries of a filter that takes longer than a cycle may wait
 
 
 class SceneFilters:
@@ -51,6 +54,21 @@ class SceneFilters:
         until = f'for {seconds:g} s' if seconds else 'until it is removed'
         self._log.notes.append(f'transient filter {number} {until}{owned_by(owner)}')
         return number
+
+    def begin_attached(self, frame: FrameId, owner: str, touch_links: TouchLinks) -> None:
+        """Keep the filter of a frame that is attached, which has no lease yet."""
+        is_short = len(touch_links.names) < _MANY
+        self.begin(touch_links.filter_id, owner, 0.0, is_short=is_short)
+        self.touch_links.begin(frame, touch_links)
+
+    def lasting_touch_links(self) -> dict[FrameId, tuple[str, ...]]:
+        """Return what attached frames may touch until they are detached: no lease ends it."""
+        leased = self._leases.left()
+        return {
+            frame: names
+            for frame, names in self.touch_links.names().items()
+            if self.touch_links.filter_of(frame) not in leased
+        }
 
     def end(self, filter_id: FilterId) -> None:
         """Forget the lease of a transient filter that was removed."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 from drake_geom_ros.geometry import (
     CandidatePairs,
     FilterId,
     FrameId,
     QueryObject,
+    Role,
     SceneGraph,
     SceneGraphContext,
     SourceId,
@@ -19,6 +20,7 @@ from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import (
     AwaitedFilter,
     CameraDescription,
+    FrameDescription,
     Gate,
     ObstacleSource,
     RobotDescription,
@@ -63,6 +65,8 @@ class SceneSnapshot:
     obstacle_sources: tuple[ObstacleSource, ...] = ()
     gates: tuple[Gate, ...] = ()
     has_tracked: bool = False  # the source of tracked bodies is there
+    # What attached frames may touch until they are detached, by full names.
+    touch_links: Mapping[FrameId, tuple[str, ...]] = field(default_factory=dict)
 
     def description(self) -> SceneDescription:
         """Return the scene: persistent filters included, every frame where it was.
@@ -81,6 +85,7 @@ class SceneSnapshot:
             described = without_source(described, MAPS)
         if self.has_tracked:  # they come and go with their tracker
             described = without_source(described, TRACKED)
+        described = replace(described, frames=tuple(self._frames(described)))
         return replace(
             described,
             awaited=self.waiting,
@@ -88,3 +93,19 @@ class SceneSnapshot:
             obstacle_sources=self.obstacle_sources,
             gates=self.gates,
         )
+
+    def _frames(self, described: SceneDescription) -> Iterator[FrameDescription]:
+        """Yield the frames, with what they may touch of what is described."""
+        inspector = QueryObject(self.context).inspector()
+        touch_links = {
+            (inspector.GetOwningSourceName(frame), inspector.GetName(frame)): names
+            for frame, names in self.touch_links.items()
+        }
+        there = {
+            f'{g.source}::{g.frame}/{g.name}'
+            for g in described.geometries
+            if Role.kProximity in g.roles
+        }
+        for frame in described.frames:
+            names = touch_links.get((frame.source, frame.name), ())
+            yield replace(frame, touch_links=tuple(n for n in names if n in there))

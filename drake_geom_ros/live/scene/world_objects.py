@@ -32,9 +32,9 @@ from drake_geom_ros.live.conversions.names import WORLD, shortened, some_of
 from drake_geom_ros.live.conversions.planning_scene import OctomapRequest, SceneRequest
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.link_paddings import Enlargement, merged, unknown_links
-from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import WELDED_STAYS
+from drake_geom_ros.scene_files import touched_geometries
 
 SOURCE = 'planning_scene'  # of MoveIt's objects
 OCTOMAP_MAP = 'planning_scene'  # the sensed map that MoveIt's octomap becomes
@@ -373,9 +373,7 @@ class PlanningWorld:
         own = FrameId.get_new_id() if frame is None else frame  # a new object carries nothing
         for pattern in dict.fromkeys(request.touch_links):
             try:
-                touched.update(
-                    touched_geometries(model.inspector, model.names, model.robots, own, [pattern])
-                )
+                touched.update(touched_geometries(model.inspector, model.robots, own, [pattern]))
             except ArgumentError as error:
                 self.notes.append(
                     f'object {shortened(name)!r}: {error}; it is ignored, as by MoveIt'

@@ -27,9 +27,9 @@ from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
 from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.live.scene.world_objects import SOURCE as PLANNING_SCENE
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import touched_geometries
 
 
 def register_source(live: LiveScene, request: Any, response: Any) -> None:
@@ -131,7 +131,7 @@ class _Touched(NamedTuple):
         model = scene.model
         if self.names_version == model.names_version:
             return self.geometries
-        return touched_geometries(model.inspector, model.names, model.robots, frame, patterns)
+        return touched_geometries(model.inspector, model.robots, frame, patterns)
 
 
 def _touched(live: LiveScene, request: Any) -> _Touched:
@@ -143,7 +143,7 @@ def _touched(live: LiveScene, request: Any) -> _Touched:
         robots, names, names_version = list(model.robots), model.names, model.names_version
         inspector = live.view().query.inspector()
     frame = names.frame(request.frame)
-    touched = touched_geometries(inspector, names, robots, frame, request.touch_links)
+    touched = touched_geometries(inspector, robots, frame, request.touch_links)
     return _Touched(names_version, touched)
 
 

@@ -32,11 +32,11 @@ from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.multi_dof_joints import multi_dof_joints
 from drake_geom_ros.live.scene.scene_view import SceneView
-from drake_geom_ros.live.scene.touch_links import carried_frames
 from drake_geom_ros.live.scene.world_objects import objects_of
 from drake_geom_ros.live.services.moved_frames import root_by_virtual_joint
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import ZERO_COMPONENT
+from drake_geom_ros.scene_files import carried_frames
 
 
 class _Body(IntEnum):

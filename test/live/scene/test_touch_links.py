@@ -9,11 +9,16 @@ from hypothesis import strategies as st
 from live.live_scenes import Clock, live_scene
 from live.scene.test_changes import attach, call, detach, pose
 
-from drake_geom_ros.geometry import GeometryId
+from drake_geom_ros.geometry import GeometryId, SceneGraph
 from drake_geom_ros.live.scene.changes.addition import addition
-from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.live.services import filters, scene
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.scene_files import (
+    SceneFileError,
+    load_scene,
+    read_scene,
+    to_yaml,
+    touched_geometries,
+)
 
 URDF = """<robot name="arm">
   <link name="base"/>
@@ -230,6 +235,83 @@ def test_a_group_of_two_robots_needs_its_robot(live, tmp_path):
     answer = attach_box(live, parent='arm::hand', touch_links=['fingers'])
     assert "is a group of several robots: 'arm::fingers', 'b::fingers'" in answer.message
     assert attach_box(live, parent='arm::hand', touch_links=['b::fingers']).success
+
+
+HELD = CELL.replace(
+    '{name: box, source: parts, pose: {}}',
+    '{name: box, source: parts, pose: {}, attached_to: hand, touch_links: [arm, table]}',
+)
+
+
+def saved(live):
+    with live.reading() as held:
+        return to_yaml(held.snapshot().description())
+
+
+def box_in(text):
+    (frame,) = (each for each in read_scene(text).frames if each.name == 'box')
+    return frame
+
+
+def test_a_scene_file_attaches_as_the_service_does():
+    by_call, by_file = live_scene(CELL, Clock()), live_scene(HELD, Clock())
+    assert attach_box(by_call, touch_links=['arm', 'table']).success
+    assert reported(by_file) == reported(by_call)
+    with by_file.reading() as held:
+        assert list(held.filters.owners().values()) == ['attach parts::box']
+    assert detach(by_file, frame='box').success
+    assert reported(by_file) == reported(live_scene(CELL, Clock()))
+
+
+def test_a_saved_scene_attaches_again():
+    first = live_scene(HELD, Clock())
+    names = ('arm::hand/hand', 'arm::left/left', 'arm::right/right', 'parts::world/table')
+    assert box_in(saved(first)).touch_links == names
+    again = live_scene(saved(first), Clock())
+    assert reported(again) == reported(first)
+    assert saved(again) == saved(first)
+
+
+def test_what_may_be_touched_for_a_while_alone_is_not_saved():
+    cell = live_scene(HELD, Clock())
+    with cell.editing() as held:
+        (number,) = held.filters.owners()
+    request = {'filter_id': number, 'owner': '', 'lease': 2.0}
+    assert call(cell, filters.renew_filter, Plain(active=None), **request).active
+    assert box_in(saved(cell)).touch_links == ()
+    assert box_in(saved(cell)).attached_to is not None
+
+
+def test_a_geometry_that_went_is_no_longer_touched_in_a_saved_scene():
+    cell = live_scene(HELD, Clock())
+    assert call(cell, scene.remove_geometry, Plain(), geometry='arm::left/left').success
+    assert 'arm::left/left' not in box_in(saved(cell)).touch_links
+    assert reported(live_scene(saved(cell), Clock())) == reported(cell)
+
+
+def test_groups_of_an_srdf_may_be_touched_from_the_start(tmp_path):
+    (tmp_path / 'arm.urdf').write_text(URDF)
+    (tmp_path / 'arm.srdf').write_text(SRDF)
+    robot = f'robots: [{{name: arm, urdf: {tmp_path}/arm.urdf, srdf: {tmp_path}/arm.srdf}}]'
+    text = HELD.partition('geometries:')[0].replace('[arm, table]', '[fingers]')
+    text = '\n'.join(line for line in text.splitlines() if 'source: arm' not in line)
+    geometry = '{name: b, source: parts, frame: box, shape: {type: sphere, radius: 0.1}}'
+    loaded = load_scene(f'{robot}\n{text}\ngeometries: [{geometry}]', SceneGraph())
+    ((frame, touch_links),) = loaded.touch_links.items()
+    assert frame == loaded.frames['parts', 'box']
+    assert touch_links.names == ('arm::left/collision_0', 'arm::right/collision_0')
+
+
+@pytest.mark.parametrize(
+    ('before', 'after', 'reason'),
+    [
+        ('attached_to: hand, ', '', 'touch_links is of frames that are attached'),
+        ('[arm, table]', '[hnd]', "'hnd' stands for no frame, no geometry and no group"),
+    ],
+)
+def test_a_scene_file_whose_attachment_makes_no_sense_is_refused(before, after, reason):
+    with pytest.raises(SceneFileError, match=reason):
+        load_scene(HELD.replace(before, after), SceneGraph())
 
 
 @settings(max_examples=30, deadline=None)

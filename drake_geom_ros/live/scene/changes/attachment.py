@@ -6,21 +6,17 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from drake_geom_ros.geometry import (
-    CollisionFilterDeclaration,
     FilterId,
     FrameId,
     GeometryId,
-    GeometrySet,
     SceneGraph,
     SceneGraphContext,
 )
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
-from drake_geom_ros.live.scene.touch_links import TouchLinks, carried_frames
 from drake_geom_ros.math import RigidTransform
-
-_MANY = 100  # geometries of a filter that takes longer than a cycle may wait
+from drake_geom_ros.scene_files import TouchLinks, touch_filter
 
 
 class _Attached(NamedTuple):
@@ -51,7 +47,7 @@ def attachment(
     X_now = X_PF or scene.poses.pose_in(frame, parent)
     before = scene.filters.touch_links.filter_of(frame)
     owner = f'attach {names.frame_names[frame]}'
-    carried = carried_frames(inspector, frame) if touching else []
+    excluded = touch_filter(inspector, frame, touching) if touching else None
     may_touch = tuple(sorted(names.geometry_names[each] for each in touching))
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Attached:
@@ -65,12 +61,7 @@ def attachment(
         )
         manager = graph.collision_filter_manager(context)
         ended = before if before is not None and manager.RemoveDeclaration(before) else None
-        if not touching:
-            return _Attached(None, ended)
-        attached = GeometrySet(frame_ids=carried)
-        declaration = CollisionFilterDeclaration()
-        declaration.ExcludeBetween(attached, GeometrySet(geometry_ids=touching))
-        return _Attached(manager.ApplyTransient(declaration), ended)
+        return _Attached(None if excluded is None else manager.ApplyTransient(excluded), ended)
 
     def first(scene: HeldScene) -> None:
         nonlocal X_now
@@ -83,8 +74,7 @@ def attachment(
         if made.filter_id is None:
             scene.filters.touch_links.end(frame)
         else:
-            scene.filters.begin(made.filter_id, owner, 0.0, is_short=len(touching) < _MANY)
-            scene.filters.touch_links.begin(frame, TouchLinks(made.filter_id, may_touch))
+            scene.filters.begin_attached(frame, owner, TouchLinks(made.filter_id, may_touch))
         return X_now
 
     return Change(on, first, then)

@@ -27,7 +27,6 @@ from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.link_paddings import PADDING, Padded, with_padding
-from drake_geom_ros.live.scene.touch_links import TouchLinks
 from drake_geom_ros.live.scene.world_objects import (
     SOURCE,
     ObjectShape,
@@ -35,10 +34,9 @@ from drake_geom_ros.live.scene.world_objects import (
     WorldObject,
 )
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files import LoadedScene
+from drake_geom_ros.scene_files import LoadedScene, TouchLinks
 
 _ALLOWED = f'{SOURCE}: allowed_collision_matrix'  # the owner of its filter
-_MANY = 100  # geometries of a filter that takes longer than a cycle may wait
 
 
 class SceneChangedError(GeometryError):
@@ -394,5 +392,4 @@ def _note_filters(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
             sorted(names.geometry_names[g] for g in touching if g in names.geometry_names)
         )
         owner = f'attach {SOURCE}::{name}'
-        scene.filters.begin(filter_id, owner, 0.0, is_short=len(touching) < _MANY)
-        touch_links.begin(frame, TouchLinks(filter_id, may_touch))
+        scene.filters.begin_attached(frame, owner, TouchLinks(filter_id, may_touch))
