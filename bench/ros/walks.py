@@ -158,8 +158,6 @@ def _filter_request(node: _Node) -> None:
     request.declaration.statements = [statement]
     node.guard.answer(filters.apply_transient_filter, node.live, request, response)
     assert response.success, response.message
-    with node.live.editing() as scene:
-        scene.model.filter_manager.Flatten()
 
 
 WALKS = (

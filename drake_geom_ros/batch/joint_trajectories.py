@@ -145,7 +145,12 @@ def cartesian_speed(
     """
     spline = trajectory if isinstance(trajectory, JointSpline) else JointSpline(trajectory)
     with PathChecker(scene_graph, joints, ignore_limits=True) as checker:
-        speeds, geometries = checker.speeds(spline)
+        return fastest_geometry(checker, spline)
+
+
+def fastest_geometry(checker: PathChecker, spline: JointSpline) -> FastestGeometry:
+    """Return the bound of ``cartesian_speed`` by a checker that is prepared already."""
+    speeds, geometries = checker.speeds(spline)
     fastest = int(np.argmax(speeds))
     return FastestGeometry(geometries[fastest], float(speeds[fastest]))
 

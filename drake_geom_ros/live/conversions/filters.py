@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -10,24 +10,25 @@ from drake_geom_ros.geometry import (
     FilterOperation,
     GeometrySet,
 )
-from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.conversions.names import NameTable, SetMembers
 
 OPERATIONS = dict(enumerate(FilterOperation, 1))  # by their numbers in CollisionFilterStatement
 
 
-def geometry_set_from_message(message: Any, names: NameTable) -> GeometrySet:
-    """Return a GeometrySet; raises UnknownNameError for what the scene does not hold."""
-    frames, geometries = names.members(message)
-    return GeometrySet(geometry_ids=geometries, frame_ids=frames)
+class ReadDeclaration(NamedTuple):
+    """A declaration of a message, and how much it is about."""
+
+    declaration: CollisionFilterDeclaration
+    num_names: int  # that its sets list
+    num_geometries: int  # in its sets
 
 
-def declaration_from_message(message: Any, names: NameTable) -> CollisionFilterDeclaration:
-    """Return a CollisionFilterDeclaration; raises RuntimeError, naming the statement."""
-    resolved: list[tuple[FilterOperation, GeometrySet, GeometrySet]] = []
+def declaration_from_message(message: Any, names: NameTable) -> ReadDeclaration:
+    """Return the declaration of a message; raises RuntimeError, naming the statement."""
+    resolved: list[tuple[FilterOperation, list[SetMembers]]] = []
     for number, statement in enumerate(message.statements):
         try:
-            set_a = geometry_set_from_message(statement.set_a, names)
-            set_b = geometry_set_from_message(statement.set_b, names)
+            both = [names.members(each) for each in (statement.set_a, statement.set_b)]
         except RuntimeError as error:
             raise ArgumentError(f'statements[{number}]: {error}') from None
         operation = OPERATIONS.get(statement.operation)
@@ -37,9 +38,12 @@ def declaration_from_message(message: Any, names: NameTable) -> CollisionFilterD
                 f'statements[{number}].operation is {statement.operation}; it must be one of '
                 f'{allowed}'
             )
-        resolved.append((operation, set_a, set_b))
-    declaration = CollisionFilterDeclaration()
-    for operation, set_a, set_b in resolved:
-        sets = (set_a, set_b) if operation.takes_two_sets else (set_a,)
+        resolved.append((operation, both))
+    declaration, num_names, num_geometries = CollisionFilterDeclaration(), 0, 0
+    for operation, both in resolved:
+        num_names += sum(len(each.frames) + len(each.geometries) for each in both)
+        num_geometries += sum(each.num_geometries for each in both)
+        named = both if operation.takes_two_sets else both[:1]
+        sets = [GeometrySet(geometry_ids=e.geometries, frame_ids=e.frames) for e in named]
         declaration.Declare(operation, *sets)
-    return declaration
+    return ReadDeclaration(declaration, num_names, num_geometries)

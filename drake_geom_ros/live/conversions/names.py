@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import islice
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from drake_geom_ros.common.counting import plural
 from drake_geom_ros.common.nearest import nearest
@@ -49,6 +49,14 @@ def some_of(names: Sequence[object], most: int = 5) -> str:
 def shortened(name: str) -> str:
     """Return a name as messages show it: a name may have a million letters."""
     return name if len(name) <= _LONGEST else f'{name[: _LONGEST - 3]}...'
+
+
+class SetMembers(NamedTuple):
+    """The members of a GeometrySet message."""
+
+    frames: list[FrameId]
+    geometries: list[GeometryId]
+    num_geometries: int  # with those on the frames
 
 
 class NameTable:
@@ -232,18 +240,14 @@ class NameTable:
             return self._known_geometries[value]
         raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
 
-    def members(self, geometry_set: Any) -> tuple[list[FrameId], list[GeometryId]]:
-        """Return the frames and geometries that a GeometrySet message names, by name and by id."""
+    def members(self, geometry_set: Any) -> SetMembers:
+        """Return what a GeometrySet message names, by name and by id."""
         frames = [self.frame(name) for name in geometry_set.frames]
         frames += [self.frame_of_value(value) for value in geometry_set.frame_ids]
         geometries = [self.geometry(name) for name in geometry_set.geometries]
         geometries += [self.geometry_of_value(value) for value in geometry_set.geometry_ids]
-        return frames, geometries
-
-    def num_members(self, geometry_set: Any) -> int:
-        """Return how many geometries a GeometrySet message stands for."""
-        frames, geometries = self.members(geometry_set)
-        return len(geometries) + sum([self._num_on[frame] for frame in frames])
+        on_frames = sum([self._num_on[frame] for frame in frames])
+        return SetMembers(frames, geometries, len(geometries) + on_frames)
 
     def name_of_value(self, value: int) -> str:
         """Return the name of the geometry with that id; empty for 0, which names none."""

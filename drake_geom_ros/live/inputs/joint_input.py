@@ -26,7 +26,6 @@ from drake_geom_ros.live.scene.driven_robot import (
     DrivenRobot,
     JointValue,
     LinkPoses,
-    Moments,
 )
 from drake_geom_ros.live.scene.feeders import JOINTS
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -284,7 +283,7 @@ class JointInput:
             if moments := robot.since(base, rows):
                 links = robot.link_poses(base, robot.positions(), set().union(*moments.values()))
                 # Of what stands as the scene file says the age stays unknown.
-                moves.append(_Move(robot, base, links, _frames_since(robot, moments)))
+                moves.append(_Move(robot, base, links, robot.frames_since(moments)))
         ids = [move.links.ids for move in moves]
         rows_of_all = np.concatenate([move.links.rows for move in moves] or [np.zeros((0, 7))])
         poses = FramePoseVector.FromArrays(np.concatenate(ids or [_NO_IDS]), rows_of_all)
@@ -296,7 +295,7 @@ class JointInput:
         """Let the links be as new as a base that was posed again where it stands."""
         rows = {columns: some - leave_out for columns, some in robot.patterns.items()}
         robot.base = base
-        scene.poses.renew(_frames_since(robot, robot.since(base, rows)))
+        scene.poses.renew(robot.frames_since(robot.since(base, rows)))
 
     def _are_others(self, scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
         """Return the rows of links that somebody else posed last."""
@@ -339,15 +338,6 @@ def _rows_to_pose(
             continue
         rows[columns] = some if moved else some - leave_out
     return rows
-
-
-def _frames_since(robot: DrivenRobot, moments: Moments) -> dict[frozenset[int], Since]:
-    """Return since when links hold, by their frames; those of unknown age are left out."""
-    return {
-        frozenset(robot.links[row] for row in some): since
-        for since, some in moments.items()
-        if since != UNKNOWN
-    }
 
 
 def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:

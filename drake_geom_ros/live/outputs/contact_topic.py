@@ -18,6 +18,7 @@ from drake_geom_ros.live.scene.scene_view import SceneStamp
 COMPUTED, PUBLISHED = 'contact surfaces', 'publish ~/contact_surfaces'
 NOBODY = 'no geometry has hydroelastic properties'
 GOES_ON = 'it takes long, and goes on beside the cycles'
+_UNASKED = tuple(Effect(name, reason=NO_SUBSCRIBER) for name in (COMPUTED, PUBLISHED))
 _SHORT = 0.005  # [s]: what takes less is computed in the cycle again
 
 
@@ -71,7 +72,7 @@ class ContactTopic:
         self._long.forget()
         if moment is None:
             self.told = 'not asked for'
-            return [Effect(name, reason=NO_SUBSCRIBER) for name in (COMPUTED, PUBLISHED)]
+            return list(_UNASKED)
         self.told = NOBODY
         fill_nothing(self.message)
         return [Effect(COMPUTED, reason=NOBODY), self._publish(self.message, moment)]

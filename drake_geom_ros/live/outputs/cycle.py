@@ -135,7 +135,8 @@ class Cycle:
 
         One narrow phase serves all: a pair's depth is minus its signed distance.
         """
-        query = scene.query
+        published = [_unpublished('penetrations'), _unpublished('signed_distances')]
+        query, twists = scene.query, scene.poses.twists()
         reach = max_distance if wanted['signed_distances'] else 0.0
         distances = query.ComputeSignedDistancePairwiseClosestPoints(
             reach, time_budget=time_budget
@@ -144,8 +145,6 @@ class Cycle:
         self._costs.count(computed.narrowphase_pairs, reach)
         self._replays.look_at(scene, distances, reach)
         self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
-        published = [_unpublished('penetrations'), _unpublished('signed_distances')]
-        twists = scene.poses.twists()
         if wanted['penetrations'] or wanted['contact_surfaces']:
             overlaps = distances.penetrations()
         if wanted['penetrations']:

@@ -168,6 +168,14 @@ class DrivenRobot:
             posed[since] |= rows[columns]
         return posed
 
+    def frames_since(self, moments: Moments) -> dict[frozenset[int], Since]:
+        """Return since when links hold, by their frames; those of unknown age are left out."""
+        return {
+            frozenset(self.links[row] for row in some): since
+            for since, some in moments.items()
+            if since != UNKNOWN
+        }
+
     def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
         """Return where links stand at joint values (c,)."""
         chosen = sorted(rows)

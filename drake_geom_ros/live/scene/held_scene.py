@@ -258,9 +258,9 @@ class HeldScene:
         """
         model, poses = self.model, self.poses
         context, owners = model.context.what_if(), self.filters.owners()
-        beside, twists = self.maps.beside_bodies(), poses.twists() if moving else None
-        unknown = poses.unknown_ages()
+        twists, unknown = poses.twists() if moving else None, poses.unknown_ages()
         stale = self.maps.among_stale(poses.ages.stale(stale_after), poses.since, self.clocks)
+        beside = self.maps.beside_bodies()
         return SceneView(
             context=context,
             query=QueryObject(context),

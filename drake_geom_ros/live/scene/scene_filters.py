@@ -50,9 +50,9 @@ class SceneFilters:
         self._owners[number] = owner
         if not is_short:
             self._long.add(number)
-        self.lease(filter_id, seconds)
         until = f'for {seconds:g} s' if seconds else 'until it is removed'
         self._log.notes.append(f'transient filter {number} {until}{owned_by(owner)}')
+        self.lease(filter_id, seconds)
         return number
 
     def begin_attached(self, frame: FrameId, owner: str, touch_links: TouchLinks) -> None:

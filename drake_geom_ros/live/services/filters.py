@@ -16,7 +16,6 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.live.conversions.filters import declaration_from_message
-from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -96,22 +95,14 @@ def _lease(request: Any) -> float:
 
 
 def _declaration(live: LiveScene, request: Any) -> tuple[CollisionFilterDeclaration, bool]:
-    """Return the declaration of a request by the names of now, and whether it ``_is_short``."""
+    """Return the declaration of a request by the names of now, and whether it is short.
+
+    A short one, of few names and geometries, is soon applied in any scene.
+    """
     with live.reading() as scene:
         names = scene.model.names
-    declaration = declaration_from_message(request.declaration, names)
-    return declaration, _is_short(request.declaration, names)
-
-
-def _is_short(declaration: Any, names: NameTable) -> bool:
-    """Return whether a message is soon applied in any scene: of few names and geometries."""
-    statements = declaration.statements
-    sets = [each for statement in statements for each in (statement.set_a, statement.set_b)]
-    lists = [(s.frames, s.frame_ids, s.geometries, s.geometry_ids) for s in sets]
-    return (
-        sum(len(each) for four in lists for each in four) < _MANY
-        and sum(map(names.num_members, sets)) < _MANY
-    )
+    read = declaration_from_message(request.declaration, names)
+    return read.declaration, max(read.num_names, read.num_geometries) < _MANY
 
 
 def _is_of(scene: HeldScene, request: Any) -> bool:

@@ -72,12 +72,12 @@ def for_the_scene(
 
     These are left in unless they are to be ignored, so that whoever looks them up refuses them.
     """
+    if not ignore_foreign_joints:
+        return trajectory, []
     names = list(trajectory.joint_names)
     with live.reading() as scene:
         is_known = scene.model.joints.are_known(names)
     foreign = [name for name, known in zip(names, is_known, strict=True) if not known]
-    if not (foreign and ignore_foreign_joints):
-        return trajectory, []
     return _without_columns(trajectory, is_known), foreign
 
 

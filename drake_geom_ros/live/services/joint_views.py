@@ -131,7 +131,8 @@ def _joints_of(
                 now[place.column] = value
         needed = [c for c in robot.joints_of(robot.links) if columns[c] < 0] if robot.links else []
         robots.require_values(robot, now, needed)
-        if name in bases:
+        base = None if name in bases else robots.known_base(robot, view.query)
+        if base is None:
             k = bases[name]
             moved = arm_on(
                 *(frames[k], len(places) + 6 * k, robot, _tree_of(scene, name), columns, now),
@@ -142,7 +143,7 @@ def _joints_of(
             continue
         rows = np.array(sorted(robot.links), dtype=np.int64)
         tree = robot.tree.driven_by(columns, or_zero(now))
-        arms.append(Arm(tree, robots.known_base(robot, view.query).X_PB, rows))
+        arms.append(Arm(tree, base.X_PB, rows))
         ids += [robot.links[row] for row in rows.tolist()]
     for k, each in enumerate(frames):
         if not each.robot:

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry import ArgumentError, MotionCheck, accuracy_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.robot_following import ends_with_followers
 from drake_geom_ros.live.scene.scene_view import SceneView
-from drake_geom_ros.live.services.path_motions import OF_JOINTS, along_path, fill_way, has_path
+from drake_geom_ros.live.services.path_motions import OF_JOINTS, along_path, fill_way
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 OUTCOMES = {'clear': 1, 'contact': 2, 'unknown': 3}  # CLEAR, CONTACT and UNKNOWN of the answer
@@ -29,7 +29,8 @@ def check_motion(live: LiveScene, request: Any, response: Any) -> None:
             f'time_tolerance is {request.time_tolerance}; it must be > 0 [s] and finite, and 0 '
             f'stands for {TIME_TOLERANCE:g}'
         )
-    by_joints = has_path(request)
+    paths = request.path, request.multi_dof_path
+    by_joints = any(bool(path.joint_names or path.points) for path in paths)
     by_poses = bool(request.end.frame_names or len(request.end.frame_ids))
     if by_joints == by_poses:
         raise ArgumentError(

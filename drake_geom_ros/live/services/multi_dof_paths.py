@@ -42,6 +42,8 @@ def multi_dof_path(live: LiveScene, message: Any, profile: str = '') -> MultiDof
     accelerations are refused, for nobody follows them here, unless the ``profile`` is that of
     straight ways.
     """
+    if not message.joint_names and not message.points:
+        return MultiDofPath(PathOfJoints([], []), [])
     with live.reading() as scene:
         every = multi_dof_joints(scene.model.joints)
         named = [_named(every, scene, name, message) for name in message.joint_names]

@@ -12,8 +12,8 @@ import numpy as np
 from drake_geom_ros.batch.joint_trajectories import (
     ClearanceBounds,
     FastestGeometry,
-    cartesian_speed,
     clearance_bounds,
+    fastest_geometry,
     in_seconds,
 )
 from drake_geom_ros.batch.joints import Joints
@@ -59,12 +59,6 @@ class JointWay:
     clearances: ClearanceBounds | None
 
 
-def has_path(request: Any) -> bool:
-    """Return whether a request has a path of joints."""
-    paths = request.path, request.multi_dof_path
-    return any(bool(path.joint_names or path.points) for path in paths)
-
-
 def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> JointWay:
     """Check a motion of joints, from point to point; ``question`` is that of ``PathChecker``."""
     _refuse_fields(request)
@@ -85,6 +79,7 @@ def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> Jo
         )
     if not request.start_now and (path.spline is not None or request.start_tolerance > 0.0):
         refuse_far_start(joints.names, path, begin.now, request.start_tolerance or START_TOLERANCE)
+    spline = path.as_spline()
     # Within the tolerance in seconds on each edge.
     longest = float(np.diff(path.times).max(initial=0.0)) or 1.0
     with PathChecker(
@@ -98,7 +93,7 @@ def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> Jo
             check = checker.check(path.rows)
         else:
             check = checker.check_spline(path.spline)
-    spline = path.as_spline()
+        fastest = fastest_geometry(checker, spline)
     return JointWay(
         view=view,
         check=in_seconds(check, path.times),
@@ -107,7 +102,7 @@ def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> Jo
         start=begin,
         is_begun_now=len(path.rows) > points,
         foreign=foreign,
-        fastest=cartesian_speed(view.context, joints, spline),
+        fastest=fastest,
         clearances=_clearances(view, joints, spline, request),
     )
 

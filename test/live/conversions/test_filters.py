@@ -6,12 +6,9 @@ from types import SimpleNamespace as Plain
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.geometry import GeometrySet
-from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.live.conversions.filters import (
     OPERATIONS,
     declaration_from_message,
-    geometry_set_from_message,
 )
 
 
@@ -26,18 +23,19 @@ def test_declarations(scene, names):
     both = Plain(**{**everything, 'geometries': ['left::arm/ball', 'right::arm/ball']})
     nothing = Plain(**everything)
     statement = Plain(operation=1, set_a=both, set_b=nothing)
-    declaration = declaration_from_message(Plain(statements=[statement]), names)
+    declaration, *counts = declaration_from_message(Plain(statements=[statement]), names)
+    assert counts == [2, 2]
     manager = scene.collision_filter_manager()
     a, b = names.geometry('left::arm/ball'), names.geometry('right::arm/ball')
     manager.Apply(declaration)
     assert scene.model_inspector().CollisionFiltered(a, b)
     statement.operation = 3
-    manager.Apply(declaration_from_message(Plain(statements=[statement]), names))
+    manager.Apply(declaration_from_message(Plain(statements=[statement]), names).declaration)
     assert not scene.model_inspector().CollisionFiltered(a, b)
     by_frame = Plain(**{**everything, 'frames': ['left::arm']})
     other = Plain(**{**everything, 'geometry_ids': [b.get_value()]})
     statement = Plain(operation=2, set_a=by_frame, set_b=other)
-    manager.Apply(declaration_from_message(Plain(statements=[statement]), names))
+    manager.Apply(declaration_from_message(Plain(statements=[statement]), names).declaration)
     assert scene.model_inspector().CollisionFiltered(a, b)
     statement.operation = 9
     with pytest.raises(RuntimeError, match=r'statements\[0\].operation is 9'):
@@ -53,7 +51,8 @@ def test_a_geometry_set_is_the_union_of_all_it_names(scene, names):
     message = Plain(
         frames=['left::arm'], frame_ids=[], geometries=[f'#{b.get_value()}'], geometry_ids=[]
     )
-    found = geometry_set_from_message(message, names)
-    assert isinstance(found, GeometrySet)
-    assert content_of(scene).model.resolve(found) == [a, b]
-    assert frame
+    members = names.members(message)
+    assert (members.frames, members.geometries) == ([frame], [b])
+    assert members.num_geometries == 2  # a is on the frame
+    message.frames, message.geometry_ids = [], [a.get_value()]
+    assert names.members(message) == ([], [b, a], 2)

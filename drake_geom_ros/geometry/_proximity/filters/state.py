@@ -14,6 +14,7 @@ Four files: ``matrix`` holds the outcome and answers queries, ``log`` holds the 
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Collection, Iterable
 
 import numpy as np
@@ -71,8 +72,7 @@ class FilterState:
 
     def _with_bits(self, bits: filter_matrix.Bits, bit_rows: BitRows) -> FilterState:
         """Return an independent copy with other bits."""
-        other = FilterState()
-        other.version = self.version
+        other = copy.copy(self)
         other.groups = self.groups.copy()
         other._log = self._log.copy()
         other._slot_of = dict(self._slot_of)
@@ -80,7 +80,7 @@ class FilterState:
         other._bits, other._bit_rows = bits, bit_rows
         other._bodies = self._bodies.copy()
         other._free_rows = list(self._free_rows)
-        other._table, other._table_lacks = self._table, set(self._table_lacks)
+        other._table_lacks = set(self._table_lacks)
         other.welded = dict(self.welded)
         return other
 
