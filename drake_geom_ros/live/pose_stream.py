@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Protocol
+from typing import Protocol
 
 from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.live.conversions.message_types import (
+    FramePosesMessage,
+    FrameTwistsMessage,
+    JointStateMessage,
+)
 from drake_geom_ros.live.conversions.transforms import Transforms
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_edges import Refusal
@@ -77,14 +82,16 @@ class PoseStream:
         with self._live.editing():
             self.active = False
 
-    def take_poses(self, message: Any, waited: float, sender: str = '') -> None:
+    def take_poses(self, message: FramePosesMessage, waited: float, sender: str = '') -> None:
         """Take a FramePoses that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         start = time.perf_counter()
         with self._live.editing() as scene:
             self._posed(scene, self.inputs.take_poses(scene, message, waited, sender), start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def take_joint_states(self, topic: str, message: Any, waited: float, sender: str = '') -> None:
+    def take_joint_states(
+        self, topic: str, message: JointStateMessage, waited: float, sender: str = ''
+    ) -> None:
         """Take a JointState that came ``waited`` [s] ago; raises RuntimeError to refuse it.
 
         ``topic`` is that of the robots that name it, empty for all others.
@@ -99,7 +106,7 @@ class PoseStream:
         """Pose what hangs on frames that moved, or is new; return how many frames."""
         return self.inputs.follow(scene)
 
-    def take_twists(self, message: Any, waited: float) -> None:
+    def take_twists(self, message: FrameTwistsMessage, waited: float) -> None:
         """Take a FrameTwists that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         with self._live.editing() as scene:
             scene.poses.take_twists(message, waited)

@@ -10,6 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.live.conversions.message_types import (
+    PoseMessage,
+    TimeMessage,
+)
 from drake_geom_ros.math import RigidTransform
 
 
@@ -56,17 +60,17 @@ def fill_arrays(message: Any, arrays: Mapping[str, NDArray[Any]]) -> None:
             setattr(message, name, (uint8s if values.itemsize == 1 else unsigned)(values))
 
 
-def seconds_of(stamp: Any) -> float:
+def seconds_of(stamp: TimeMessage) -> float:
     """Return a builtin_interfaces/Time as a number [s]."""
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
-def nanoseconds_of(stamp: Any) -> int:
+def nanoseconds_of(stamp: TimeMessage) -> int:
     """Return a builtin_interfaces/Time as a whole number [ns]."""
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
-def stamp_after(stamp: Any, seconds: float) -> Any:
+def stamp_after(stamp: TimeMessage, seconds: float) -> TimeMessage:
     """Return a time with the fields of a builtin_interfaces/Time, so many seconds after it."""
     whole, part = divmod(nanoseconds_of(stamp) + round(seconds * 1e9), 10**9)
     return SimpleNamespace(sec=whole, nanosec=part)
@@ -78,18 +82,18 @@ def stamp_seconds(stamp: Any, seconds: float) -> None:
     stamp.sec, stamp.nanosec = whole, part
 
 
-def pose_from_message(message: Any) -> RigidTransform:
+def pose_from_message(message: PoseMessage) -> RigidTransform:
     """Return the pose of a geometry_msgs/Pose; raises RuntimeError for what is no pose."""
     p, q = message.position, message.orientation
     return RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
 
 
-def fill_pose(message: Any, X: RigidTransform) -> None:
+def fill_pose(message: PoseMessage, X: RigidTransform) -> None:
     """Fill a geometry_msgs/Pose."""
     fill_pose_row(message, X.ToArray())
 
 
-def fill_pose_row(message: Any, row: NDArray[np.float64]) -> None:
+def fill_pose_row(message: PoseMessage, row: NDArray[np.float64]) -> None:
     """Fill a geometry_msgs/Pose with x y z [m] qx qy qz qw (7,)."""
     p, q = message.position, message.orientation
     p.x, p.y, p.z, q.x, q.y, q.z, q.w = row.tolist()

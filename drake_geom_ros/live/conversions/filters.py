@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -10,6 +10,7 @@ from drake_geom_ros.geometry import (
     FilterOperation,
     GeometrySet,
 )
+from drake_geom_ros.live.conversions.message_types import FilterDeclarationMessage
 from drake_geom_ros.live.conversions.names import NameTable, SetMembers
 
 OPERATIONS = dict(enumerate(FilterOperation, 1))  # by their numbers in CollisionFilterStatement
@@ -23,7 +24,9 @@ class ReadDeclaration(NamedTuple):
     num_geometries: int  # in its sets
 
 
-def declaration_from_message(message: Any, names: NameTable) -> ReadDeclaration:
+def declaration_from_message(
+    message: FilterDeclarationMessage, names: NameTable
+) -> ReadDeclaration:
     """Return the declaration of a message; raises RuntimeError, naming the statement."""
     resolved: list[tuple[FilterOperation, list[SetMembers]]] = []
     for number, statement in enumerate(message.statements):

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
+from drake_geom_ros.live.conversions.message_types import (
+    FramePosesMessage,
+    FrameTwistsMessage,
+    ListedFramesMessage,
+)
 from drake_geom_ros.live.conversions.names import NameTable
 
 _POSE_WIDTH = 7
@@ -41,7 +46,7 @@ class FramePosesReader:
         self._world_frame = names.frame_names[names.world]
         self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], ListedFrames] = {}
 
-    def read(self, message: Any) -> ReadPoses:
+    def read(self, message: FramePosesMessage) -> ReadPoses:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
         ids, frames = self.listed_in(message)
         poses = np.asarray(message.poses, dtype=np.float64)
@@ -53,7 +58,9 @@ class FramePosesReader:
         rows = poses.reshape(-1, _POSE_WIDTH)
         return ReadPoses(FramePoseVector.FromArrays(ids, rows), frames, rows)
 
-    def read_twists(self, message: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def read_twists(
+        self, message: FrameTwistsMessage
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the ids (n,) of frames and V_WF (n, 6) of a FrameTwists; raises RuntimeError."""
         ids = self.listed_in(message).ids
         twists = np.asarray(message.twists, dtype=np.float64)
@@ -64,7 +71,7 @@ class FramePosesReader:
             )
         return ids, twists.reshape(-1, _TWIST_WIDTH)
 
-    def listed_in(self, message: Any) -> ListedFrames:
+    def listed_in(self, message: ListedFramesMessage) -> ListedFrames:
         """Return the frames that a message names; raises RuntimeError for names that are none."""
         frame_id = message.header.frame_id
         if frame_id not in ('', self._world_frame):
@@ -86,7 +93,7 @@ class FramePosesReader:
             self._known[key] = listed
         return listed
 
-    def _look_up(self, message: Any) -> list[FrameId]:
+    def _look_up(self, message: ListedFramesMessage) -> list[FrameId]:
         names, source = self._names, message.source
         if source:
             names.source(source)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.message_types import ScanMessage
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import (
     quaternions_from_rotations,
@@ -18,7 +18,7 @@ from drake_geom_ros.math.batched import (
 _LONGEST = 10.0  # [s] that a scan may take: no lidar turns as slowly
 
 
-def points_of_scan(scan: Any, no_echo: float = math.nan) -> Floats:
+def points_of_scan(scan: ScanMessage, no_echo: float = math.nan) -> Floats:
     """Return the points (n, 3) [m] of a LaserScan in its frame, as if it had stood still.
 
     A range of -inf is something nearer than ``range_min``, which counts as its distance (REP 117).
@@ -47,7 +47,7 @@ def points_of_scan(scan: Any, no_echo: float = math.nan) -> Floats:
     return np.stack([ranges * np.cos(headings), ranges * np.sin(headings), 0.0 * ranges], axis=1)
 
 
-def duration_of_scan(scan: Any) -> float:
+def duration_of_scan(scan: ScanMessage) -> float:
     """Return the time [s] from the first ray, which has the stamp, to the last one.
 
     Raises ArgumentError for a ``time_increment`` that is none.

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import islice
 from types import MappingProxyType
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 from drake_geom_ros.common.counting import plural
 from drake_geom_ros.common.nearest import nearest
@@ -22,6 +22,7 @@ from drake_geom_ros.geometry import (
     SceneGraphInspector,
     SourceId,
 )
+from drake_geom_ros.live.conversions.message_types import GeometrySetMessage
 from drake_geom_ros.scene_files.drake_names import drake_name
 
 WORLD = 'world'
@@ -240,7 +241,7 @@ class NameTable:
             return self._known_geometries[value]
         raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
 
-    def members(self, geometry_set: Any) -> SetMembers:
+    def members(self, geometry_set: GeometrySetMessage) -> SetMembers:
         """Return what a GeometrySet message names, by name and by id."""
         frames = [self.frame(name) for name in geometry_set.frames]
         frames += [self.frame_of_value(value) for value in geometry_set.frame_ids]

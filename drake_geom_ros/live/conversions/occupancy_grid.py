@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import pose_from_message
+from drake_geom_ros.live.conversions.message_types import GridMessage
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import OUT_OF_PLANE
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, check_resolution
@@ -24,7 +25,7 @@ class GridCells(NamedTuple):
     corners: tuple[tuple[float, float], ...]  # (4, 2) [m] of the grid, in M
 
 
-def cells_from_grid(grid: Any, threshold: int, *, unknown_is_free: bool) -> GridCells:
+def cells_from_grid(grid: GridMessage, threshold: int, *, unknown_is_free: bool) -> GridCells:
     """Return the cells of an OccupancyGrid with at least the value ``threshold``.
 
     Unknown cells (negative) are occupied, too, unless ``unknown_is_free``. Raises ArgumentError

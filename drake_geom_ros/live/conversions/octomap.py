@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from drake_geom_ros.live.conversions.message_types import OctomapMessage
 from drake_geom_ros.sensed_maps.cells import Cells, MapError, check_resolution
 from drake_geom_ros.sensed_maps.octree import (
     bytes_a_node,
@@ -15,7 +14,7 @@ from drake_geom_ros.sensed_maps.octree import (
 MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
 
 
-def refuse_too_many_nodes(message: Any, most: int = MOST_NODES) -> None:
+def refuse_too_many_nodes(message: OctomapMessage, most: int = MOST_NODES) -> None:
     """Raise MapError for a tree of more nodes than are taken, before any is read."""
     each = bytes_a_node(message.id, binary=message.binary)
     if len(message.data) > most * each:
@@ -25,7 +24,7 @@ def refuse_too_many_nodes(message: Any, most: int = MOST_NODES) -> None:
         )
 
 
-def cells_from_octomap(message: Any) -> Cells:
+def cells_from_octomap(message: OctomapMessage) -> Cells:
     """Return the occupied cells of an Octomap, binary or full, in its frame.
 
     They may be none: a tree has no leaves but where a sensor looked. Raises MapError for bytes

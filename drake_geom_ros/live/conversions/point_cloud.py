@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.message_types import (
+    CloudMessage,
+    PointFieldMessage,
+)
 from drake_geom_ros.math.array_types import Floats
 
 Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
@@ -16,7 +20,7 @@ _MOST_FIELDS = 1000
 _FORMATS = {7: 'f4', 8: 'f8'}  # sensor_msgs/PointField: FLOAT32, FLOAT64
 
 
-def points_from_cloud(message: Any) -> Floats:
+def points_from_cloud(message: CloudMessage) -> Floats:
     """Return the points (n, 3) of a PointCloud2, in its order; some may not be finite.
 
     Raises ArgumentError as ``columns_of_cloud`` does.
@@ -29,7 +33,7 @@ def points_from_cloud(message: Any) -> Floats:
     return points.reshape(-1, 3)
 
 
-def columns_of_cloud(message: Any) -> Columns:
+def columns_of_cloud(message: CloudMessage) -> Columns:
     """Return x, y and z (height, width) of a PointCloud2, float32 or float64, as they lie there.
 
     Takes any point_step, row_step, byte order and offsets; x, y and z are FLOAT32 or FLOAT64.
@@ -80,7 +84,7 @@ def columns_of_cloud(message: Any) -> Columns:
     return cloud['x'], cloud['y'], cloud['z']
 
 
-def _coordinates(message: Any) -> dict[str, Any]:
+def _coordinates(message: CloudMessage) -> dict[str, PointFieldMessage]:
     """Return the fields x, y and z; raises ArgumentError where one is missing or not alone."""
     refuse_too_many_fields(len(message.fields))
     names = [field.name for field in message.fields]

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.message_types import RangeMessage
 from drake_geom_ros.math.array_types import Floats
 
 _MOST_POINTS = 1_000_000
 
 
-def points_of_range(message: Any, spacing: float, no_echo: float = math.nan) -> Floats:
+def points_of_range(message: RangeMessage, spacing: float, no_echo: float = math.nan) -> Floats:
     """Return points (n, 3) [m] of a Range in its frame, no more than ``spacing`` [m] apart.
 
     The sensor looks along x, and the echo may come from anywhere on the cap of the cone of its

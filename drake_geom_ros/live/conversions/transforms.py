@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from drake_geom_ros.live.conversions.message_types import (
+    TFMessage,
+    TimeMessage,
+    TransformStampedMessage,
+)
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
 SECOND = 2**32  # of a stamp as one number: nanoseconds, which are 32 bits, come behind the seconds
@@ -73,14 +78,14 @@ class Transforms(NamedTuple):
     rows: Floats  # (n, 7) x y z [m] qx qy qz qw
     seconds: Floats  # (n,) [s] stamps
     order: Indices  # (n,) by which stamps are compared: seconds times SECOND, and nanoseconds
-    stamp: Callable[[int], Any]  # returns that of a row as a builtin_interfaces/Time
+    stamp: Callable[[int], TimeMessage]  # returns that of a row as a builtin_interfaces/Time
 
-    def newest_stamp(self, rows: Indices) -> Any:
+    def newest_stamp(self, rows: Indices) -> TimeMessage:
         """Return the newest stamp of some rows, of which there is one or more."""
         return self.stamp(int(rows[np.argmax(self.order[rows])]))
 
 
-def transforms_of(message: Any) -> Transforms:
+def transforms_of(message: TFMessage) -> Transforms:
     """Return the transforms of a tf2_msgs/TFMessage."""
     entries = message.transforms
     numbers = []
@@ -105,7 +110,7 @@ def times_of(seconds: Indices, nanoseconds: Indices) -> tuple[Floats, Indices]:
     return seconds + _NANOSECOND * nanoseconds, seconds * SECOND + nanoseconds
 
 
-def names_in(transforms: Sequence[Any]) -> list[tuple[str, str]]:
+def names_in(transforms: Sequence[TransformStampedMessage]) -> list[tuple[str, str]]:
     """Return the names of the parent and the child of each transform."""
     return [
         (plain_name(entry.header.frame_id), plain_name(entry.child_frame_id))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.live.conversions.fields import nanoseconds_of, seconds_of
+from drake_geom_ros.live.conversions.message_types import (
+    JointStateMessage,
+    TimeMessage,
+)
 from drake_geom_ros.live.conversions.names import shortened, some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Clocks, Since
 from drake_geom_ros.live.scene.driven_robot import (
@@ -83,7 +87,7 @@ class JointInput:
     def take(
         self,
         scene: HeldScene,
-        message: Any,
+        message: JointStateMessage,
         waited: float,
         topic: str = '',
         sender: str = '',
@@ -122,7 +126,11 @@ class JointInput:
         return self._pose(scene, moves, message.header.stamp)
 
     def _note_sender(
-        self, scene: HeldScene, message: Any, sender: str, changed: Mapping[str, set[int]]
+        self,
+        scene: HeldScene,
+        message: JointStateMessage,
+        sender: str,
+        changed: Mapping[str, set[int]],
     ) -> None:
         """Note who sent values; without an identity by what is listed, and by the values."""
         joints = frozenset((name, column) for name in changed for column in changed[name])
@@ -302,7 +310,7 @@ class JointInput:
         by_others = scene.poses.feeders.is_fed_by_others
         return frozenset(row for row, f in robot.links.items() if by_others(JOINTS, f))
 
-    def _pose(self, scene: HeldScene, moves: _Moves, stamp: Any) -> int:
+    def _pose(self, scene: HeldScene, moves: _Moves, stamp: TimeMessage) -> int:
         """Pose links, all at once; return how many."""
         if not moves.each:
             return 0
@@ -395,7 +403,9 @@ def _nothing_of_ours(robots: Sequence[DrivenRobot], names: Sequence[str]) -> Not
     )
 
 
-def _numbers(message: Any, places: Sequence[JointPlace | None]) -> tuple[list[float], list[float]]:
+def _numbers(
+    message: JointStateMessage, places: Sequence[JointPlace | None]
+) -> tuple[list[float], list[float]]:
     """Return the positions and speeds of a message; raises ArgumentError for what is wrong."""
     positions = np.asarray(message.position, dtype=np.float64)
     speeds = np.asarray(message.velocity, dtype=np.float64)

@@ -11,13 +11,18 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.common.geometry_names import matches
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.conversions.fields import stamp_after
+from drake_geom_ros.live.conversions.message_types import (
+    GridMessage,
+    HeaderMessage,
+    OctomapMessage,
+)
 from drake_geom_ros.live.conversions.occupancy_grid import cells_from_grid, extruded
 from drake_geom_ros.live.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
 from drake_geom_ros.live.inputs.map_feeds import MapFeeds, Shown
@@ -126,7 +131,7 @@ class ObstacleInput:
 
     def begin(
         self,
-        header: Any,
+        header: HeaderMessage,
         waited: float = 0.0,
         bodies_number: int = 0,
         publisher: str = '',
@@ -169,7 +174,7 @@ class ObstacleInput:
         return Place(R_WF, p_WF, *when, there, settings, held, feed, turn, in_sensor)
 
     def _from_sensor(
-        self, moment: Moment, header: Any, waited: float, patience: float
+        self, moment: Moment, header: HeaderMessage, waited: float, patience: float
     ) -> tuple[Moment, tuple[Floats, Floats]]:
         """Return a moment for the frame S of the source's sensor, and R_SF, p_SF [m]."""
         of_sensor = SimpleNamespace(stamp=header.stamp, frame_id=self.source.sensor)
@@ -180,7 +185,7 @@ class ObstacleInput:
         R_SF, p_SF = np.array(X_SF.rotation().matrix()), np.array(X_SF.translation())
         return moment._replace(X_WF=X_WS), (R_SF, p_SF)
 
-    def _framed(self, header: Any) -> Any:
+    def _framed(self, header: HeaderMessage) -> HeaderMessage:
         """Return a header with the frame that the source says, if it does."""
         if not self.source.frame:
             return header
@@ -191,7 +196,12 @@ class ObstacleInput:
             raise ArgumentError(f'the obstacle source {self.name!r} was removed')
 
     def _turn(
-        self, moment: Moment, header: Any, waited: float, duration: float, patience: float
+        self,
+        moment: Moment,
+        header: HeaderMessage,
+        waited: float,
+        duration: float,
+        patience: float,
     ) -> Turn | None:
         """Return how the frame of a header moved in the time [s] after its stamp."""
         stamp = stamp_after(header.stamp, duration)
@@ -229,7 +239,11 @@ class ObstacleInput:
         self._held[begun.feed] = Held(taken.kept, epoch, begun.generation, shell)
 
     def take_octomap(
-        self, octomap: Any, waited: float = 0.0, publisher: str = '', patience: float = PATIENCE
+        self,
+        octomap: OctomapMessage,
+        waited: float = 0.0,
+        publisher: str = '',
+        patience: float = PATIENCE,
     ) -> None:
         """Take an Octomap in place of the one of before, as it is; raises as ``begin``."""
         refuse_too_many_nodes(octomap)
@@ -240,7 +254,11 @@ class ObstacleInput:
         self._take_map(octomap.header, taken, waited, publisher, patience)
 
     def take_grid(
-        self, grid: Any, waited: float = 0.0, publisher: str = '', patience: float = PATIENCE
+        self,
+        grid: GridMessage,
+        waited: float = 0.0,
+        publisher: str = '',
+        patience: float = PATIENCE,
     ) -> None:
         """Take an OccupancyGrid in place of the one of before; raises as ``begin``."""
 
@@ -261,7 +279,7 @@ class ObstacleInput:
 
     def _take_map(
         self,
-        header: Any,
+        header: HeaderMessage,
         taken: Callable[[RigidTransform, ObstacleSettings], _OfMap],
         waited: float,
         publisher: str,

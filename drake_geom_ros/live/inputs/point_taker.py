@@ -17,6 +17,12 @@ from drake_geom_ros.live.conversions.laser_scan import (
     points_of_scan,
     unturned,
 )
+from drake_geom_ros.live.conversions.message_types import (
+    CloudMessage,
+    HeaderMessage,
+    RangeMessage,
+    ScanMessage,
+)
 from drake_geom_ros.live.conversions.point_cloud import Columns, columns_of_cloud
 from drake_geom_ros.live.conversions.range_cone import points_of_range
 from drake_geom_ros.live.inputs.obstacle_records import (
@@ -44,7 +50,7 @@ class Map(Protocol):
 
     def begin(
         self,
-        header: Any,
+        header: HeaderMessage,
         waited: float,
         bodies_number: int,
         publisher: str,
@@ -73,7 +79,7 @@ class PointTaker:
         # each takes as long as what is done with it.
         self._room = np.empty((0, 3))
 
-    def take_cloud(self, cloud: Any, waited: float = 0.0, publisher: str = '') -> None:
+    def take_cloud(self, cloud: CloudMessage, waited: float = 0.0, publisher: str = '') -> None:
         """Take a PointCloud2 that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         if cloud.width * cloud.height > MOST_POINTS:
             raise ArgumentError(
@@ -107,7 +113,7 @@ class PointTaker:
         x, y, z = points_from_depth(image, camera).T[:, np.newaxis]
         self._take_points((x, y, z), image.header, waited, publisher)
 
-    def take_scan(self, scan: Any, waited: float = 0.0, publisher: str = '') -> None:
+    def take_scan(self, scan: ScanMessage, waited: float = 0.0, publisher: str = '') -> None:
         """Take a LaserScan, as ``take_cloud`` does; each ray where the sensor was at its time."""
         if len(scan.ranges) > MOST_POINTS:
             raise ArgumentError(
@@ -124,7 +130,7 @@ class PointTaker:
         passed = ends[is_end] if has_passed else None
         self._take_placed(_columns(points), place, scan.range_max, passed)
 
-    def take_range(self, message: Any, waited: float = 0.0, publisher: str = '') -> None:
+    def take_range(self, message: RangeMessage, waited: float = 0.0, publisher: str = '') -> None:
         """Take a Range, as ``take_cloud`` does; one without an echo empties the map."""
         place = self._map.begin(message.header, waited, self.filter.number, publisher)
         spacing = 0.5 * place.settings.resolution
@@ -134,7 +140,9 @@ class PointTaker:
             passed = points_of_range(message, spacing, far)
         self._take_placed(_columns(points), place, message.max_range, passed)
 
-    def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
+    def _take_points(
+        self, columns: Columns, header: HeaderMessage, waited: float, publisher: str
+    ) -> None:
         place = self._map.begin(header, waited, self.filter.number, publisher)
         passed = np.zeros((0, 3)) if place.settings.may_be_empty else None
         if place.in_sensor is not None:

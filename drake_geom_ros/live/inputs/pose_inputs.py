@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from drake_geom_ros.live.conversions.message_types import (
+    FramePosesMessage,
+    JointStateMessage,
+)
 from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -22,7 +24,7 @@ class PoseInputs:
         self.joints = joints
 
     def take_poses(
-        self, scene: HeldScene, message: Any, waited: float = 0.0, sender: str = ''
+        self, scene: HeldScene, message: FramePosesMessage, waited: float = 0.0, sender: str = ''
     ) -> int:
         """Take a FramePoses."""
         return scene.poses.take(message, waited, sender) + self.follow(scene)
@@ -30,7 +32,7 @@ class PoseInputs:
     def take_joint_states(
         self,
         scene: HeldScene,
-        message: Any,
+        message: JointStateMessage,
         waited: float = 0.0,
         topic: str = '',
         sender: str = '',

@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
+from drake_geom_ros.live.conversions.message_types import TFMessage
 from drake_geom_ros.live.conversions.transforms import (
     TransformNames,
     Transforms,
@@ -81,7 +82,7 @@ class TfInput:
         self._chained: dict[FrameId, str] = {}  # of whose chains the past is kept
         self._footing: dict[str, tuple[bytes, Since]] = {}  # as chains were followed last
 
-    def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> Refusal:
+    def hear(self, message: TFMessage, *, static: bool, waited: float = 0.0) -> Refusal:
         """Take the transforms of a TFMessage: see ``take``."""
         return self.take(transforms_of(message), static=static, waited=waited)
 

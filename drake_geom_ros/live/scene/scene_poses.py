@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,11 @@ from drake_geom_ros.geometry import (
     closing_speeds,
 )
 from drake_geom_ros.live.conversions.fields import nanoseconds_of, seconds_of
+from drake_geom_ros.live.conversions.message_types import (
+    FramePosesMessage,
+    FrameTwistsMessage,
+    TimeMessage,
+)
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks, Since, oldest
 from drake_geom_ros.live.scene.feeders import JOINTS, MESSAGES, OBSTACLES, TF, Feeders
@@ -77,7 +82,7 @@ class ScenePoses:
 
     # Inputs.
 
-    def take(self, message: Any, waited: float = 0.0, sender: str = '') -> int:
+    def take(self, message: FramePosesMessage, waited: float = 0.0, sender: str = '') -> int:
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames.
 
         ``sender`` is the identity of its publisher, empty where nobody knows it. Raises
@@ -97,7 +102,7 @@ class ScenePoses:
         self,
         poses: FramePoseVector,
         posed: PosedFrames,
-        stamp: Any,
+        stamp: TimeMessage,
         feeder: str,
         rows: NDArray[np.float64] | None = None,
         parts: Parts | None = None,
@@ -168,7 +173,7 @@ class ScenePoses:
         if stand:
             self.ages.note(stand, self.ages.newest_stamp)
 
-    def take_twists(self, message: Any, waited: float = 0.0) -> None:
+    def take_twists(self, message: FrameTwistsMessage, waited: float = 0.0) -> None:
         """Take a FrameTwists whole that came ``waited`` [s] ago.
 
         Raises RuntimeError where its stamp says no time.
@@ -392,7 +397,7 @@ class ScenePoses:
         return oldest(since, line)
 
 
-def _stamps(posed: PosedFrames, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:
+def _stamps(posed: PosedFrames, stamp: TimeMessage, feeder: str) -> dict[int, tuple[int, Since]]:
     """Return the stamps [ns] of poses by frame, and since when they hold.
 
     All of a message bear the same one; transforms have their own, which ``posed`` knows. Those

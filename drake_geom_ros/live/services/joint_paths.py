@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.conversions.message_types import (
+    TimeMessage,
+    TrajectoryMessage,
+    TrajectoryPointMessage,
+)
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_views import JointsNow
@@ -66,8 +71,8 @@ def _listed(times: Floats) -> str:
 
 
 def for_the_scene(
-    live: LiveScene, trajectory: Any, ignore_foreign_joints: bool
-) -> tuple[Any, list[str]]:
+    live: LiveScene, trajectory: TrajectoryMessage, ignore_foreign_joints: bool
+) -> tuple[TrajectoryMessage | PathOfJoints, list[str]]:
     """Return a trajectory message for the joints of the scene, and the names of others.
 
     These are left in unless they are to be ignored, so that whoever looks them up refuses them.
@@ -78,16 +83,14 @@ def for_the_scene(
     with live.reading() as scene:
         is_known = scene.model.joints.are_known(names)
     foreign = [name for name, known in zip(names, is_known, strict=True) if not known]
-    return _without_columns(trajectory, is_known), foreign
+    return (_without_columns(trajectory, is_known), foreign) if foreign else (trajectory, [])
 
 
-def _without_columns(trajectory: Any, is_known: Sequence[bool]) -> Any:
+def _without_columns(trajectory: TrajectoryMessage, is_known: Sequence[bool]) -> PathOfJoints:
     """Return a trajectory message with the joints that are known alone.
 
     Raises ArgumentError where none is, and for a point that has not a number for each joint.
     """
-    if all(is_known):
-        return trajectory
     names = [name for name, known in zip(trajectory.joint_names, is_known, strict=True) if known]
     if not names:
         raise ArgumentError(
@@ -114,7 +117,10 @@ class PathPoint(NamedTuple):
     positions: list[float]
     velocities: list[float]
     accelerations: list[float]
-    time_from_start: Any
+    time_from_start: TimeMessage
+
+
+Points: TypeAlias = Sequence[TrajectoryPointMessage | PathPoint]
 
 
 class PathOfJoints(NamedTuple):
@@ -129,7 +135,11 @@ def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
 
 
 def timed_path(
-    trajectory: Any, names: Sequence[str], start: JointsNow, profile: str, start_time: float = 0.0
+    trajectory: TrajectoryMessage | PathOfJoints,
+    names: Sequence[str],
+    start: JointsNow,
+    profile: str,
+    start_time: float = 0.0,
 ) -> TimedPath:
     """Return the way of a JointTrajectory; raises ArgumentError for what it cannot be.
 
@@ -138,7 +148,7 @@ def timed_path(
     without times, all 0, go from time 0 to 1 by equal parts; one alone is the end. An empty
     ``profile`` is that of splines where a point has velocities.
     """
-    points = trajectory.points
+    points: Points = trajectory.points
     if not len(points):
         raise ArgumentError('path has joint names and no points; give at least one')
     if profile not in ('', *PROFILES):
@@ -165,7 +175,7 @@ def timed_path(
 
 
 def _spline_path(
-    points: Sequence[Any],
+    points: Points,
     names: Sequence[str],
     rows: Floats,
     times: Floats,
@@ -196,11 +206,11 @@ def _begun_with(start: Floats, derivatives: Floats) -> Floats:
     return np.asarray(np.vstack((first, derivatives)))
 
 
-def _has_derivatives(points: Sequence[Any]) -> bool:
+def _has_derivatives(points: Points) -> bool:
     return any(len(point.velocities) or len(point.accelerations) for point in points)
 
 
-def _rows_of(points: Sequence[Any], names: Sequence[str]) -> Floats:
+def _rows_of(points: Points, names: Sequence[str]) -> Floats:
     # Number by number: NumPy holds the interpreter's lock while it looks at 100 000 arrays.
     numbers = (number for point in points for number in point.positions)
     rows = np.fromiter(numbers, np.float64, len(points) * len(names))
@@ -215,7 +225,7 @@ def _rows_of(points: Sequence[Any], names: Sequence[str]) -> Floats:
     return rows
 
 
-def _derivatives(points: Sequence[Any], name: str, names: Sequence[str]) -> Floats:
+def _derivatives(points: Points, name: str, names: Sequence[str]) -> Floats:
     """Return derivatives (k, q), NaN of points that have none; raises ArgumentError."""
     rows = np.full((len(points), len(names)), np.nan)
     for number, point in enumerate(points):
@@ -269,7 +279,7 @@ def refuse_far_start(names: Sequence[str], path: TimedPath, now: Floats, toleran
         )
 
 
-def _check_lengths(number: int, point: Any, count: int) -> None:
+def _check_lengths(number: int, point: TrajectoryPointMessage | PathPoint, count: int) -> None:
     """Raise ArgumentError for a point that has not a number for each joint."""
     if len(point.positions) != count:
         raise ArgumentError(
