@@ -20,6 +20,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.copied_late import CopiedLate
 from drake_geom_ros.geometry._proximity.filters import matrix as filter_matrix
 from drake_geom_ros.geometry._proximity.filters.groups import UNIVERSAL, FilterGroups
 from drake_geom_ros.geometry._proximity.filters.log import (
@@ -56,7 +57,7 @@ class FilterState:
         self._log = FilterLog()
         self._slot_of: dict[int, int] = {}
         self._free: list[int] = []
-        self._bits = filter_matrix.empty_bits()
+        self._bits = CopiedLate(filter_matrix.empty_bits())
         self._bodies: Slots = np.zeros(0, dtype=np.int64)
         self._bit_rows: BitRows = np.zeros(0, dtype=np.int32)
         self._free_rows: list[int] = []
@@ -70,7 +71,7 @@ class FilterState:
         """Return an independent copy of the state."""
         return self._with_bits(self._bits.copy(), self._bit_rows.copy())
 
-    def _with_bits(self, bits: filter_matrix.Bits, bit_rows: BitRows) -> FilterState:
+    def _with_bits(self, bits: CopiedLate[np.uint8], bit_rows: BitRows) -> FilterState:
         """Return an independent copy with other bits."""
         other = copy.copy(self)
         other.groups = self.groups.copy()
@@ -109,11 +110,11 @@ class FilterState:
         bits[CURRENT, : len(shared)] = shared
         own = bits[CURRENT, len(shared) :]
         np.take(shared, kinds[filtered], axis=0, out=own)
-        own |= self._bits[CURRENT, self._bit_rows[slots[filtered]]]
+        own |= self._bits.array[CURRENT, self._bit_rows[slots[filtered]]]
         bit_rows = np.full_like(self._bit_rows, NO_ROW)
         bit_rows[slots] = kinds
         bit_rows[slots[filtered]] = len(shared) + np.arange(len(filtered))
-        other = self._with_bits(bits, bit_rows)
+        other = self._with_bits(CopiedLate(bits), bit_rows)
         other.version += 1
         return other
 
@@ -136,8 +137,8 @@ class FilterState:
     def remove(self, key: int) -> None:
         """Remove a geometry that loses the proximity role, with all statements about it."""
         slot = self._slot_of.pop(key)
-        filter_matrix.clear_slot(self._bits, self._bit_rows, slot)
         if (bit_row := int(self._bit_rows[slot])) != NO_ROW:
+            filter_matrix.clear_slot(self._bits.writable(), self._bit_rows, slot)
             self._bit_rows[slot] = NO_ROW
             self._free_rows.append(bit_row)
         self._free.append(slot)
@@ -202,7 +203,7 @@ class FilterState:
     @property
     def matrix(self) -> tuple[filter_matrix.Bits, Slots, BitRows]:
         """The bits, bodies and rows by slot, for compiled code; valid until the next change."""
-        return self._bits, self._bodies, self._bit_rows
+        return self._bits.array, self._bodies, self._bit_rows
 
     def filtered(self, key_a: int, key_b: int) -> bool:
         """Return whether a pair is not reported, for whatever reason."""
@@ -300,7 +301,8 @@ class FilterState:
     def flatten(self) -> None:
         """Make the current configuration the persistent one, and clear the transient history."""
         touched = self._rows_of(self._mentioned(self._log.history()))
-        self._bits[BASE, touched] = self._bits[CURRENT, touched]
+        bits = self._bits.writable()
+        bits[BASE, touched] = bits[CURRENT, touched]
         self._log.flatten()
 
     def is_active(self, filter_id: int) -> bool:
@@ -329,19 +331,20 @@ class FilterState:
     def _write(self, entry: Entry, first_layer: int) -> None:
         slots_a, slots_b = self._sides(entry)
         self.version += filter_matrix.write_pairs(
-            self._bits, self._bit_rows, first_layer, slots_a, slots_b, entry.excludes
+            self._bits.writable(), self._bit_rows, first_layer, slots_a, slots_b, entry.excludes
         )
 
     def _replay(self, said: Collection[Entry]) -> None:
         """Rebuild the rows that entries mention from the base and from what else is about them."""
         touched = self._mentioned(said)
         bit_rows = self._rows_of(touched)
-        self._bits[CURRENT, bit_rows] = self._bits[BASE, bit_rows]
+        bits = self._bits.writable()
+        bits[CURRENT, bit_rows] = bits[BASE, bit_rows]
         is_touched = np.zeros(len(self._bodies), dtype=np.bool_)
         is_touched[touched] = True
         for entry in self._log.history_about(said):
             a, b = self._sides(entry)
-            matrix = self._bits, self._bit_rows, CURRENT
+            matrix = self._bits.writable(), self._bit_rows, CURRENT
             filter_matrix.write_rows(*matrix, a[is_touched[a]], b, entry.excludes)
             filter_matrix.write_rows(*matrix, b[is_touched[b]], a, entry.excludes)
         self.version += 1
@@ -363,9 +366,10 @@ class FilterState:
             return  # soon, for a history is replayed by this
         lacking = np.unique(without_row)
         if (more := len(lacking) - len(self._free_rows)) > 0:
-            former = self._bits.shape[1]
+            bits = self._bits.array
+            former = bits.shape[1]
             capacity = filter_matrix.capacity_for(former + more, former)
-            self._bits = filter_matrix.grown_bits(self._bits, capacity, len(self._bodies))
+            self._bits = CopiedLate(filter_matrix.grown_bits(bits, capacity, len(self._bodies)))
             self._free_rows += range(former, capacity)
         for slot in lacking:
             self._bit_rows[slot] = self._free_rows.pop()
@@ -395,7 +399,8 @@ class FilterState:
         """Grow the capacity; the lowest slots are used first."""
         former = len(self._bodies)
         capacity = filter_matrix.capacity_for(former + 1, former)
-        self._bits = filter_matrix.grown_bits(self._bits, self._bits.shape[1], capacity)
+        bits = self._bits.array
+        self._bits = CopiedLate(filter_matrix.grown_bits(bits, bits.shape[1], capacity))
         more = capacity - former
         self._bodies = np.concatenate((self._bodies, np.zeros(more, dtype=np.int64)))
         self._bit_rows = np.concatenate((self._bit_rows, np.full(more, NO_ROW, dtype=np.int32)))

@@ -485,12 +485,12 @@ def test_a_removal_replays_only_the_rows_that_it_touched(written):
     state.apply_transient(between(keys[:10], keys[10:20]), 1)
     state.apply_transient(allowed(keys[15:25], keys[100:110]), 2)
     state.apply_transient([(EXCLUDE_WITHIN, keys[100:], ())], 3)
-    rows_before = state._bits[filter_matrix.CURRENT].copy()
+    rows_before = state.matrix[0][filter_matrix.CURRENT].copy()
     written.rows = 0
     state.remove_declaration(1)
     # Of #2 the five rows of geometries 16..20; nothing of #3, whatever its size.
     assert written.rows == 5
-    changed = np.flatnonzero((state._bits[filter_matrix.CURRENT] != rows_before).any(axis=1))
+    changed = np.flatnonzero((state.matrix[0][filter_matrix.CURRENT] != rows_before).any(axis=1))
     expected = state._bit_rows[state.slots(np.array(keys[:20], dtype=np.int64))]
     np.testing.assert_array_equal(changed, np.sort(expected))
 
@@ -539,9 +539,9 @@ def test_many_that_go_cost_one_pass_over_those_that_stay(written):
 def test_a_declaration_touches_only_the_rows_of_its_sets():
     state = free(300)
     state.apply([(EXCLUDE_WITHIN, tuple(range(1, 301)), ())])
-    before = state._bits.copy()
+    before = state.matrix[0].copy()
     state.apply(allowed(range(1, 11), range(201, 211)))
-    changed = np.flatnonzero((state._bits != before).any(axis=(0, 2)))
+    changed = np.flatnonzero((state.matrix[0] != before).any(axis=(0, 2)))
     mentioned = np.array([*range(1, 11), *range(201, 211)], dtype=np.int64)
     rows = state._bit_rows[state.slots(mentioned)]
     np.testing.assert_array_equal(changed, np.sort(rows))
