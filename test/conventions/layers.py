@@ -20,7 +20,10 @@ PROXIMITY_ROOMS = {
         (f'{_RUNTIME}/numba_inside',),
         ('numpy', 'numba', 'llvmlite'),
     ),
-    'geometry/_proximity/filters': ((*_GROUND, 'geometry/_proximity/filters'), ('numpy',)),
+    'geometry/_proximity/filters': (
+        (*_GROUND, 'common', 'geometry/_proximity/filters'),
+        ('numpy',),
+    ),
     _K: ((*_GROUND, _K), ('numpy',)),
     f'{_K}/shapes': (_SHAPES, ('numpy', 'numba', 'llvmlite')),
     f'{_K}/trees': ((*_SHAPES, f'{_K}/trees'), ('numpy',)),
