@@ -71,7 +71,7 @@ def changed_world(world: World, model: Model, before: ModelMark) -> tuple[World,
     ordered = sorted(ids)
     with_role = [id for id in ordered if _has_role(model, id)]
     changed = np.array([id.get_value() for id in ordered], dtype=np.int64)
-    has_row = np.isin(changed, [id.get_value() for id in with_role])
+    has_row = np.array([_has_role(model, id) for id in ordered], dtype=np.bool_)
     change = RowChange.of(world.geometries.ids, changed, has_row)
     geometries = [model.geometries[id] for id in with_role]
     rows = _rows_of_frames(frames, [g.frame_id.get_value() for g in geometries])

@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
     compile_rows,
     table_rows,
 )
+from drake_geom_ros.geometry._proximity.near.following import following
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.report import CONTACT_A, CONTACT_B, ReportArrays
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
@@ -166,7 +167,7 @@ class PreparedQueries:
         if former is not self._world:
             return
         self._lists = {
-            unlimited: near.following(world, change) for unlimited, near in self._lists.items()
+            unlimited: following(near, world, change) for unlimited, near in self._lists.items()
         }
         for query in self._queries.values():
             query.scene = -1

@@ -25,7 +25,6 @@ from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.near.arrays import (
-    ACTIVE_THEN,
     CONSIDERED,
     FREE,
     HAS_KERNELS,
@@ -35,13 +34,10 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     LENGTHS,
     LIST_CUTOFF,
     MADE,
-    MADE_AT,
     NEEDED,
     NUMBERS,
     PAIRS,
-    RESTING,
     RESTING_CUTOFF,
-    SETTLED_AT,
     FilterArrays,
     ListArrays,
     filters_of,
@@ -50,17 +46,13 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
 from drake_geom_ros.geometry._proximity.near.box_lanes import empty_sides
 from drake_geom_ros.geometry._proximity.near.by_grids import BY_GRIDS, compile_by_grids
 from drake_geom_ros.geometry._proximity.near.grids import (
-    ROW_BITS,
-    SECOND_ROW,
     Boxes,
-    rename_rows,
     room_for,
 )
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
-from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
@@ -72,20 +64,21 @@ _OF_BODIES = (
     *('lowers', 'uppers', 'paddings', 'rest_paddings', 'rows', 'tally', 'sides'),
     *('candidates', 'sorting'),
 )
-_OF_PAIRS = ('codes', 'pairs', 'slots', 'new_slots', 'hits', 'memory')
+OF_PAIRS = ('codes', 'pairs', 'slots', 'new_slots', 'hits', 'memory')
 
 
 class NeighbourList:
     """The unfiltered pairs of a world within the cutoff, sorted, each with a slot."""
 
     arrays: ListArrays
-    _boxes: tuple[Boxes, Boxes]  # of moving and of resting bodies
+    boxes: tuple[Boxes, Boxes]  # of moving and of resting bodies
+    handles: tuple[Handle, ...]  # of the arrays, of both boxes, and of the filters
 
     def __init__(
         self, world: World, unlimited: bool = False, former: NeighbourList | None = None
     ) -> None:
         """Make a list of no pairs; ``former``, which is not used any more, gives it its room."""
-        self._unlimited = unlimited
+        self.unlimited = unlimited
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
         hulls = np.count_nonzero(world.geometries.types == CONVEX)
@@ -94,11 +87,12 @@ class NeighbourList:
         none = np.zeros(0, dtype=np.int64)
         if former is not None and n <= len(former.arrays.rows):
             of_bodies = {name: getattr(former.arrays, name) for name in _OF_BODIES}
-            self._boxes = former._boxes
+            self.boxes, of_boxes = former.boxes, former.handles[1:3]
         else:
             room = n + n // ROOM_FOR_MORE
             of_bodies = _room_for_bodies(room)
-            self._boxes = room_for(room), room_for(room)
+            self.boxes = room_for(room), room_for(room)
+            of_boxes = tuple(map(handle_of, self.boxes))
         self.arrays = ListArrays(
             numbers=np.zeros(NUMBERS, dtype=np.int64),
             lengths=np.zeros(LENGTHS),
@@ -120,69 +114,18 @@ class NeighbourList:
         self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
         self._seen_filters: tuple[FilterState | None, int] = None, -1  # with their version
         self._filters = FilterArrays(self.arrays.rows, *FilterState().matrix)
-        self._make_handles()
+        self.handles = handle_of(self.arrays), *of_boxes, handle_of(self._filters)
 
-    def following(self, world: World, change: RowChange) -> NeighbourList:
-        """Return the list of a world with changed rows; this one must not be used afterwards.
-
-        Pairs of rows that stay keep their slots, with the last answers. Resting bodies are not
-        sorted in again: bodies that came, or have another shape, count as active for a time.
-        """
-        other = NeighbourList(world, self._unlimited, self)
-        places = change.places(len(self.arrays.is_plane))
-        other._keep_pairs(self, places)
-        if other._boxes is self._boxes:
-            other._keep_resting(self, places, world, change.new)
-        other._make_handles()
-        return other
-
-    def _keep_pairs(self, former: NeighbourList, places: Indices) -> None:
-        """Take over the pairs of a former list by the places of its rows now, -1: it is gone."""
-        before, count = former.arrays, former.count
-        if before.memory.shape[1] != self.arrays.memory.shape[1]:
-            return
-        pairs, slots = places[former.pairs], former.slots.copy()
-        is_kept = (pairs >= 0).all(axis=1)
-        kept, gone = pairs[is_kept], slots[~is_kept]
-        before.pairs[: len(kept)], before.slots[: len(kept)] = kept, slots[is_kept]
-        before.codes[: len(kept)] = kept[:, 0] << ROW_BITS | kept[:, 1]
-        free = int(before.numbers[FREE])
-        before.free[free : free + len(gone)] = gone
-        of_slots = {name: getattr(before, name) for name in (*_OF_PAIRS, 'free')}
-        self.arrays = self.arrays._replace(**of_slots)
-        self.arrays.numbers[[PAIRS, FREE]] = count - len(gone), free + len(gone)
-
-    def _keep_resting(
-        self, former: NeighbourList, places: Indices, world: World, new: Indices
-    ) -> None:
-        """Take over the cells of resting bodies, as ``_keep_pairs`` does, and their pairs."""
-        before, stays = former.arrays, places >= 0
-        active = self.arrays.active.copy()
-        active[places[stays]] = before.active[stays]
-        active[new] = ~self.arrays.is_plane[new]
-        if not np.isin(np.flatnonzero(active & world.anchored), world.newcomers).all():
-            return
-        self.arrays.active[:] = active
-        codes = before.resting[: before.numbers[RESTING]]
-        pairs = places[np.column_stack((codes >> ROW_BITS, codes & SECOND_ROW))]
-        pairs = pairs[(pairs >= 0).all(axis=1)]
-        before.resting[: len(pairs)] = pairs[:, 0] << ROW_BITS | pairs[:, 1]
-        self.arrays = self.arrays._replace(resting=before.resting)
-        for name in (MADE_AT, SETTLED_AT, ACTIVE_THEN):
-            self.arrays.numbers[name] = before.numbers[name]
-        self.arrays.numbers[RESTING] = len(pairs)
-        self.arrays.lengths[RESTING_CUTOFF] = before.lengths[RESTING_CUTOFF]
-        rename_rows(self._boxes[1], places)
-
-    def _make_handles(self) -> None:
-        """Make the handles of the current arrays."""
-        moving, resting = (handle_of(boxes) for boxes in self._boxes)
-        self.handles = handle_of(self.arrays), moving, resting, handle_of(self._filters)
+    def replace(self, **arrays: NDArray[Any]) -> None:
+        """Replace arrays by others, which handles of the list then refer to."""
+        self.arrays = self.arrays._replace(**arrays)
+        self.handles = handle_of(self.arrays), *self.handles[1:]
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
         self.arrays = self.arrays._replace(by_grids=BY_GRIDS)  # of this process
-        self._make_handles()  # the arrays of a copy are elsewhere
+        # The arrays of a copy are elsewhere.
+        self.handles = tuple(map(handle_of, (self.arrays, *self.boxes, self._filters)))
 
     @property
     def list_cutoff(self) -> float:
@@ -248,26 +191,25 @@ class NeighbourList:
         capacity = needed + needed // 4
         if lacking == LACKS_CODES:
             candidates, sorting = (np.zeros(capacity + 1, dtype=np.int64) for _ in range(2))
-            self.arrays = self.arrays._replace(candidates=candidates, sorting=sorting)
+            self.replace(candidates=candidates, sorting=sorting)
         elif lacking == LACKS_RESTING:
-            self.arrays = self.arrays._replace(resting=np.zeros(capacity + 1, dtype=np.int64))
+            self.replace(resting=np.zeros(capacity + 1, dtype=np.int64))
         else:
             self._grow_slots(capacity + 64)
-        self._make_handles()
 
     def _grow_slots(self, capacity: int) -> None:
         """Grow the capacity for pairs; slots in use retain their content."""
         arrays = self.arrays
         more = capacity - len(arrays.slots)
         grown = {}
-        for name in _OF_PAIRS:
+        for name in OF_PAIRS:
             array = getattr(arrays, name)
             grown[name] = np.concatenate((array, np.zeros((more, *array.shape[1:]), array.dtype)))
         free = np.empty(capacity, dtype=np.int64)
         free[:more] = np.arange(capacity - 1, capacity - more - 1, -1)
         free[more : more + arrays.numbers[FREE]] = arrays.free[: arrays.numbers[FREE]]
         arrays.numbers[FREE] += more
-        self.arrays = arrays._replace(free=free, **grown)
+        self.replace(free=free, **grown)
 
 
 def _room_for_bodies(room: int) -> dict[str, Any]:

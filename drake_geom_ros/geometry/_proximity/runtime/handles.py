@@ -57,17 +57,27 @@ def handle_of(record: tuple[Any, ...]) -> Handle:
     if config.DISABLE_JIT:
         return record
     numbers: list[int] = []
-    for (name, dtype, extents), array in zip(_fields(type(record)), record, strict=True):
+    for (name, dtype, extents), array in zip(_layout(type(record)), record, strict=True):
         fits = array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1 + len(extents)
-        extent_pairs = list(zip(extents, array.shape[1:], strict=False))
-        if not fits or any(extent not in (None, size) for extent, size in extent_pairs):
+        sizes = array.shape[1:]
+        varying: Extents = ()
+        if sizes != extents:
+            extent_pairs = list(zip(extents, sizes, strict=False))
+            fits &= all(extent in (None, size) for extent, size in extent_pairs)
+            varying = tuple(size for extent, size in extent_pairs if extent is None)
+        if not fits:
             raise TypeError(
                 f'{type(record).__name__}.{name} is {array.dtype} {array.shape}, or not in one '
-                f'piece; it must be {np.dtype(dtype)} {("n", *extents)}'
+                f'piece; it must be {dtype} {("n", *extents)}'
             )
-        varying = [size for extent, size in extent_pairs if extent is None]
-        numbers += [array.__array_interface__['data'][0], len(array), *varying]
+        numbers += (array.__array_interface__['data'][0], len(array), *varying)
     return np.array(numbers, dtype=np.int64)
+
+
+@cache
+def _layout(record: type[tuple[Any, ...]]) -> list[tuple[str, np.dtype[Any], Extents]]:
+    """Return the name, dtype and extents after the first of each field."""
+    return [(name, np.dtype(dtype), extents) for name, dtype, extents in _fields(record)]
 
 
 @intrinsic

@@ -30,6 +30,7 @@ UNCOMPILED = frozenset(
         'motion/motion_loops.py',
         'motion/speeds.py',
         'motion/tree.py',
+        'near/following.py',
         'pairs/budget.py',
         'pairs/budgeted.py',
         'pairs/level_costs.py',

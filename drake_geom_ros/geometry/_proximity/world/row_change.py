@@ -54,6 +54,18 @@ class RowChange(NamedTuple):
         runs = [(0, before, 0)] if before else []
         return cls(before + more, runs, np.arange(before, before + more))
 
+    @property
+    def is_in_place(self) -> bool:
+        """Whether each row that stays is where it was."""
+        return all(first == to for first, _, to in self.runs)
+
+    def shared(self, before: NDArray, new: NDArray) -> NDArray:  # type: ignore[type-arg]
+        """Return a column as ``merged`` does: the former one if all of its bits are the same."""
+        is_same = self.is_in_place and self.total == len(before)
+        if is_same and before[self.new].tobytes() == new.astype(before.dtype).tobytes():
+            return before
+        return self.merged(before, new)
+
     def merged(self, before: NDArray, new: NDArray | float) -> NDArray:  # type: ignore[type-arg]
         """Return a column (total, ...) from the former one, and from that of the new rows."""
         column = np.empty((self.total, *before.shape[1:]), before.dtype)

@@ -308,21 +308,21 @@ class World:
         other._placings = self._placings.copy()
         other._kept_poses = None  # results of the former world refer to its rows
         other._add_frames(frames)
-        before, merged = self.geometries, change.merged
+        before, merged, shared = self.geometries, change.merged, change.shared
         shapes = change.merged_shapes(before[5:], new[5:])
         other.geometries = GeometryTable(
-            merged(before.ids, new.ids),
-            merged(before.frames, new.frames),
-            merged(before.R_FGs, new.R_FGs),
-            merged(before.p_FGs, new.p_FGs),
-            merged(before.roundings, new.roundings),
+            shared(before.ids, new.ids),
+            shared(before.frames, new.frames),
+            shared(before.R_FGs, new.R_FGs),
+            shared(before.p_FGs, new.p_FGs),
+            shared(before.roundings, new.roundings),
             *shapes,
         )
         derived = _derived_from(new)
-        other.outer_radii = merged(self.outer_radii, derived[0])
-        other.inner_radii = merged(self.inner_radii, derived[1])
-        other.ball_centres = merged(self.ball_centres, derived[2])
-        other.ball_radii = merged(self.ball_radii, derived[3])
+        other.outer_radii = shared(self.outer_radii, derived[0])
+        other.inner_radii = shared(self.inner_radii, derived[1])
+        other.ball_centres = shared(self.ball_centres, derived[2])
+        other.ball_radii = shared(self.ball_radii, derived[3])
         other._body_data = merged(self._body_data, derived[4])
         for name in _OF_GEOMETRIES:
             setattr(other, name, merged(getattr(self, name), 0))
@@ -363,10 +363,11 @@ class World:
         if self._moved[0]:
             return  # the first update poses all
         self.revision += 1
-        arrays = self._arrays()._replace(moved=np.ones_like(self._moved))
-        handle = handle_of(arrays)  # valid as long as these arrays
+        moved = self._moved.copy()
+        self._moved[:] = True
         for row in rows.tolist():
-            update_geometries(handle, self.revision, row, row + 1)
+            update_geometries(self.handle, self.revision, row, row + 1)
+        self._moved[:] = moved
 
     def has_other_shapes_only(self, other: World) -> bool:
         """Return whether another world differs by shapes of the same types at most, and poses.
@@ -546,7 +547,7 @@ def _derived_from(table: GeometryTable) -> tuple[Floats, Floats, Floats, Floats,
 
 def _empty_maps(table: GeometryTable) -> NDArray[np.bool_]:
     """Return which geometries (n,) are sensed maps without cells."""
-    is_empty = np.isin(table.types, (OCCUPIED_CELLS, POINT_CLOUD))
+    is_empty = (table.types == OCCUPIED_CELLS) | (table.types == POINT_CLOUD)
     for k in np.flatnonzero(is_empty).tolist():
         shape = table.pool[table.starts[k] : table.starts[k + 1]]
         is_empty[k] = shape[int(shape[-1]) + COUNT] == 0.0
