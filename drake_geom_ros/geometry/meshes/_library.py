@@ -20,6 +20,8 @@ from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.math.array_types import Floats, Indices
 
 HULL_EXPONENT = 24  # points are scaled to about 2^24 for hulls
+_BLOCK = 1 << 16  # points, or triangles, that are looked at together
+_CLEAR = 2.0**-20  # ratio of squared extents that no rounding of their sums can make
 
 
 def tight_box(points: Floats) -> Floats:
@@ -51,7 +53,7 @@ def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
     Points inside a face or an edge of the hull, within rounding, are not among its vertices.
     ``name`` is for the error. Raises MeshFileError if the hull has no volume.
     """
-    if len(extent_axes(points)[1]) < 3:
+    if _is_flat(points):
         raise MeshFileError(
             f'{name}: its {len(points)} vertices lie in a plane, and a convex hull without '
             'a volume has no inside; give the mesh a thickness, or a robot of a scene file the '
@@ -62,6 +64,20 @@ def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
         vertices, triangles = _hull(vertices[corners])
     vertices.flags.writeable = triangles.flags.writeable = False
     return vertices, triangles
+
+
+def _is_flat(points: Floats) -> bool:
+    """Return whether points (n, 3) lie in a plane, a line or a point, as ``extent_axes`` judges.
+
+    Squares of the extents, summed up in blocks, decide unless rounding could matter, because a
+    decomposition makes three copies of the points.
+    """
+    centre, squares = points.mean(axis=0), np.zeros((3, 3))
+    for first in range(0, len(points), _BLOCK):
+        block = points[first : first + _BLOCK] - centre
+        squares += block.T @ block
+    least, _, largest = np.linalg.eigvalsh(squares) if np.isfinite(squares).all() else (0, 0, 0)
+    return not least > _CLEAR * largest and len(extent_axes(points)[1]) < 3
 
 
 def near_one_another(points: Floats, apart: float) -> list[Indices]:
