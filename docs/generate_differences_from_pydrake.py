@@ -70,15 +70,15 @@ _IN_WORDS = """
   in 2020, `pydrake.geometry.render`. `ConnectDrakeVisualizer` of 2020 takes None as its builder,
   and what it returns sends when `Publish(context, time)` is called: see [viewing](viewing.md).
 - The property `('mesh', 'solid')` makes a Mesh a body that need not be convex.
-- Contact surfaces: each polygon has its own vertices, where pydrake shares those in a half space;
-  a compliant half space and a compliant body have a surface; `ComputeContactSurfaces` raises for
-  a pair that can have none only where it overlaps, and for one of which a body is so deep within
-  the other that it has none, where pydrake's answer is empty;
-  `ComputeContactSurfacesWithFallback` gives both as points, and raises for two half spaces, as
-  pydrake does wherever they are. A closed piece of a rigid Mesh that is inside out is turned, and
-  one with neighbours turned opposite ways is refused. Touching is no contact; a `margin` is
-  refused. There are none of poses that are AutoDiffXd.
-  See [contact surfaces](contact_surfaces.md).
+- [Contact surfaces](contact_surfaces.md): each polygon has its own vertices, where pydrake shares
+  those in a half space. A compliant half space and a compliant body have a surface. Touching is no
+  contact; a `margin` is refused. There are none of poses that are AutoDiffXd.
+- `ComputeContactSurfaces` raises for a pair that can have no surface only where it overlaps, and
+  for one of which a body is so deep within the other that it has none, where pydrake's answer is
+  empty. `ComputeContactSurfacesWithFallback` gives both as points. It raises for two half spaces,
+  as pydrake does wherever they are.
+- A closed piece of a rigid Mesh that is inside out is turned, and one with neighbours turned
+  opposite ways is refused.
 """
 
 

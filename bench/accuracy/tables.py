@@ -88,16 +88,16 @@ def choice(families: dict[tuple[str, str], list[Measured]]) -> str:
             ratios.append(exact / fast)
     advice = (
         'Choose `exact`, the default, unless a scene of yours is shown to gain from another '
-        'level: `~/cycle_report` tells what each level would cost for what the node is asked '
-        'now, and `./run accuracy --scene FILE` for the pairs of a scene.'
+        'level. `~/cycle_report` has the cost of each level for the present questions of a node, '
+        'and `./run accuracy --scene FILE` for the pairs of a scene.'
     )
     if not ratios:
         return advice
     return (
         f'{advice} On the families of shapes below, `exact` takes {min(ratios):.2g} to '
         f'{max(ratios):.2g} times as long as `fast`, {np.median(ratios):.2g} times in the median. '
-        '`bound` answers from bounding volumes alone: it tells what is far apart, and little '
-        'else. The certificate holds at every level.'
+        '`bound` answers from bounding volumes alone: it finds pairs that are far apart, and '
+        'little else. The certificate holds at every level.'
     )
 
 
@@ -113,13 +113,13 @@ def _beginning(told: Circumstances) -> str:
         '',
         *_left_out(told.left_out),
         '- **Error** [m]: the difference from a truth with 40 digits, known from how the pair was '
-        'placed or from a maximum over all directions (`test/truth/references`). Bodies '
-        'of about 0.2 m, in equal parts 20 cm apart, 2 mm apart, touching, 2 mm deep, 2 cm deep '
-        'and one inside the other, at vertices, along edges and on faces. An error below the '
+        'placed or from a maximum over all directions (`test/truth/references`). Bodies are '
+        'about 0.2 m large. Equal parts are 20 cm apart, 2 mm apart, touching, 2 mm deep, 2 cm '
+        'deep and one inside the other, at vertices, along edges and on faces. An error below the '
         'spacing of floats at that size (shown as `<`) is drawn there, one above 10 m at 10 m.',
-        '- **Time** [us per pair]: medians of turns that the libraries take one after another, on '
-        'pairs that are turned anew each time, so that none gains from its last answer; '
-        'processor time of one thread. Ours: 120 pairs posed, asked and read in one query, '
+        '- **Time** [us per pair]: processor time of one thread, medians of turns that the '
+        'libraries take one after another. Pairs are turned anew each time, so that none gains '
+        'from its last answer. Ours: 120 pairs posed, asked and read in one query, '
         'broad phase and Python included; in brackets the kernels alone. Peers: one call per pair '
         'from Python; in brackets without the smallest cost of such a call, measured on two '
         'spheres (below).',
@@ -131,9 +131,9 @@ def _beginning(told: Circumstances) -> str:
         'Deep in a solid, our certificate may stay an open interval: it holds, but need not '
         'be narrow. python-fcl and Coal are given the triangles, a surface without an inside; '
         'pydrake and MuJoCo use the convex hull. Ours: 12 pairs in one query.',
-        '- **Whole scenes**: errors on pairs of the scene; ours is timed as one query on all '
-        'bodies, divided by the number of pairs that it reports (within 0.1 m; in contact), peers '
-        'pair by pair, without a broad phase.',
+        '- **Whole scenes**: errors on pairs of the scene. Ours is timed as one query on all '
+        'bodies, divided by the number of pairs that it reports (within 0.1 m; in contact). Peers '
+        'are timed pair by pair, without a broad phase.',
         '',
         'Smallest cost of a call [us]: '
         + ('; '.join(_overheads(told.overheads)) or 'no peer was asked')

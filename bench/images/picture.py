@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from scipy.ndimage import distance_transform_edt
 
 from drake_geom_ros.command_line.render import looking
 from drake_geom_ros.geometry import SceneGraph
@@ -24,6 +23,7 @@ from drake_geom_ros.scene_files import (
 )
 from drake_geom_ros.sensors import CameraInfo
 from drake_geom_ros.trajectories.motion_file import load_motion
+from drake_geom_ros.viewing.label_names import draw_labels
 from drake_geom_ros.viewing.timeline import Timeline
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -31,7 +31,6 @@ SCENE, MOTION = ROOT / 'scenes/two_pandas.yaml', ROOT / 'scenes/two_pandas_motio
 TIME = 10.2  # [s] of the motion: both arms are before the camera in the left gripper
 FROM, AT = [2.1, -1.9, 1.7], [0.0, 0.0, 0.65]
 SIZE = 640, 480
-LEAST = 12.0  # [pixels] from a rim, for a name
 
 
 def draw(target: Path) -> None:
@@ -67,24 +66,8 @@ def draw(target: Path) -> None:
     ticks = (0.1, 0.15, 0.2, 0.3, 0.5, 1.0)
     bar = figure.colorbar(shown, ax=depth, fraction=0.04, ticks=ticks, format='%g')
     bar.minorticks_off()
-    labels = near.label.data[..., 0]
-    present, places = np.unique(labels, return_inverse=True)
-    places = places.reshape(labels.shape)
-    label.imshow(places % 20, cmap='tab20', interpolation='nearest', vmin=0, vmax=19)
     legend = query.render_legend(camera_of(hand).core().renderer_name())
-    inspector = scene.model_inspector()
-    for place, number in enumerate(present.tolist()):
-        # Where most of its own is around, unless that is too little for a name.
-        inner = distance_transform_edt(np.pad(places == place, 1))[1:-1, 1:-1]
-        row, column = np.unravel_index(inner.argmax(), inner.shape)
-        shown_here = [g for g, its in legend.items() if its == number]
-        if not shown_here or inner[row, column] < LEAST:
-            continue
-        name = inspector.GetName(shown_here[0])
-        if name.startswith('collision'):  # of a link, whose name says more
-            name = inspector.GetName(inspector.GetFrameId(shown_here[0]))
-        box = {'boxstyle': 'round,pad=0.15', 'fc': 'white', 'ec': 'none', 'alpha': 0.75}
-        label.text(column, row, name, ha='center', va='center', fontsize=9, bbox=box)
+    draw_labels(label, near.label.data[..., 0], legend, scene.model_inspector())
     figure.savefig(target, dpi=110)
 
 

@@ -28,8 +28,8 @@ TITLES = {
 # What the small chart shows, each with a colour and a mark.
 SUMMARY = {
     'penetration': ('#1f6fb4', 'o'),
-    'near': ('#c0392b', 's'),
-    'points': ('#4d9a5b', '^'),
+    'near': ('#d9822b', 's'),
+    'points': ('#444444', '^'),
 }
 COLUMNS = 2
 WIDTH = 10.0  # [in]

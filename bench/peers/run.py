@@ -27,16 +27,16 @@ PAUSE = 0.01  # [s] before each cycle of the pace ONE_BY_ONE
 CYCLES_ONE_BY_ONE = 100  # of each library; a third with --quick
 ANCHORED = ('anchored-1000', 'anchored-2000')
 FIRST_CALLS = ('spheres-50', 'mixed-50')
-HOW = (
-    'Each cycle poses all bodies anew and asks one query; the libraries take turns of ten '
-    'cycles on walks to and fro. Times are median / mean / 99th percentile of poses and query '
-    'together, targets hold for means. Paces: `slow` moves a body by a hundredth of its radius a '
-    'cycle, `robot` by 10 mm and 0.02 rad (a joint by 0.03 rad), `jump` poses everything anew; '
-    '`100 Hz` is `robot` with one cycle each 10 ms, as a robot has it, and is to reach MuJoCo. '
-    'Ours has its kernels loaded beforehand, as a node has, and reads all arrays of a result, '
-    'pydrake the depth or distance of each record (less than all of it), MuJoCo the arrays of '
-    'its contacts (several a pair). python-fcl and Coal know no filters.'
-)
+HOW = """Each cycle poses all bodies anew and asks one query; the libraries take turns of ten \
+cycles on walks to and fro. Times are median / mean / 99th percentile of poses and query \
+together, targets hold for means. python-fcl and Coal know no filters.
+
+- Paces: `slow` moves a body by a hundredth of its radius a cycle, `robot` by 10 mm and 0.02 rad \
+(a joint by 0.03 rad), `jump` poses everything anew. `100 Hz` is `robot` with one cycle each 10 \
+ms, as a robot has it, and is to reach MuJoCo.
+- Reading: ours has its kernels loaded beforehand, as a node has, and reads all arrays of a \
+result. pydrake reads the depth or distance of each record (less than all of it), MuJoCo the \
+arrays of its contacts (several a pair)."""
 
 
 class Side(Protocol):

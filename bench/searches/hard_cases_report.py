@@ -19,19 +19,18 @@ EXAMPLES = 8  # of each peer
 EXTREMES = 'extremes'  # the family of sizes that no user has
 HOW = """A case passes when its distance is right within a thousandth of the smaller body's radius
 (and rounding), and so are the normal and the witness points where the library gives any. This is
-generous, and the same for all; `test/hard_cases` requires far more of this
-project: the certificate, both orders of the bodies, rigid motions, scales, every query and
-accuracy level. `signed_distance` asks for one pair, `penetration` for the contacts of the pair at
-the library's own settings. python-fcl reports no normal with a distance and no witness points with
-a contact.
+generous, and the same for all. `test/hard_cases` requires far more of this project: the
+certificate, both orders of the bodies, rigid motions, scales, every query and accuracy level.
 
-A Solid is a mesh that counts as the body within its surface. python-fcl and Coal are given its
-triangles (BVHModel), which have no inside, and python-fcl gives an unsigned distance to them (-1
-where they are crossed); pydrake and MuJoCo are given its hull. All are compared with the signed
-distance nevertheless.
+`signed_distance` asks for one pair, `penetration` for the contacts of the pair at the library's
+own settings. python-fcl reports no normal with a distance and no witness points with a contact.
 
-Where rounding of a pose hides whether two solids that fit each other exactly touch or interlock,
-this project reports a separating translation, with a bound that holds the truth and the method
+A Solid is a mesh that counts as the body within its surface. python-fcl and Coal get its triangles
+(BVHModel), which have no inside. python-fcl gives an unsigned distance to them (-1 where they are
+crossed). pydrake and MuJoCo get its hull. All are compared with the signed distance.
+
+Rounding of a pose may hide whether two solids that fit each other exactly touch or interlock. This
+project then reports a separating translation, with a bound that holds the truth and the method
 `OPEN`. That counts as wrong here.
 
 Every library is asked in a process that may be lost: `crash` is a process that ended, `hang` one

@@ -100,17 +100,19 @@ def draw_profile(
 
     figure = Figure(figsize=(8, 4), layout='constrained')
     axes = figure.subplots()
-    axes.plot(profile.times, profile.distances, color='#1f77b4', label='least distance of states')
+    axes.plot(
+        profile.times, profile.distances, color='#1f5fb4', label='minimum distance of states'
+    )
     if len(profile.times) > 1:
         axes.stairs(
             profile.lower_bounds,
             profile.times,
             baseline=None,
-            color='#2ca02c',
+            color='#6fa8dc',
             label='proved for all times of a piece',
         )
     axes.axhline(min_distance, color='black', linewidth=0.8, linestyle=':')
-    shades = {'contact': '#d62728', 'unknown': '#ff7f0e'}
+    shades = {'contact': '#f25900', 'unknown': '#9aa3ad'}
     for outcome, pieces in groupby(range(len(profile.outcomes)), profile.outcomes.__getitem__):
         first, *others = pieces  # neighbours are joined, since there would be seams between them
         end = min(first + len(others) + 1, len(profile.times) - 1)
@@ -119,7 +121,7 @@ def draw_profile(
             axes.axvspan(*span, color=shades[outcome], alpha=0.25, linewidth=0, label=outcome)
     if check.outcome != 'clear':
         axes.axvline(
-            check.times[1], color='#d62728', linewidth=1.2, label=f'first: {check.outcome}'
+            check.times[1], color='#f25900', linewidth=1.2, label=f'first: {check.outcome}'
         )
     axes.set(title=title, xlabel=f'time [{unit}]', ylabel='distance [m]')
     named = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))  # each once

@@ -99,7 +99,7 @@ def of_trajectory(options: argparse.Namespace) -> CheckedMotion:
         profile=lambda: profile_of_spline(scene_graph, joints, spline, options.pieces, **question),
         name_of=loaded.name_of,
         remarks=[
-            f'fastest joint {joints.names[fastest]}, at most {speeds[fastest]:.6g} 1/s',
+            f'fastest joint {joints.names[fastest]}, at most {speeds[fastest]:.6g} rad/s or m/s',
             f'fastest body {loaded.name_of(body.geometry)}, at most {body.speed:.6g} m/s',
         ],
         unit='s',

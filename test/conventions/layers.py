@@ -160,9 +160,9 @@ ROS_ROOMS = {
     'ros/demo': (
         (
             *('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'client'),
-            *('live/conversions', 'program_parser', 'ros', 'ros/demo'),
+            *('viewing', 'live/conversions', 'program_parser', 'ros', 'ros/demo'),
         ),
-        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
+        ('numpy', 'matplotlib', 'ROS'),
     ),
     'ros/recorder': (
         ('common', 'scene_files', 'program_parser', 'ros', 'ros/recorder'),
@@ -248,7 +248,7 @@ LAYERS = {
             'trajectories',
             'viewing',
         ),
-        ('numpy', 'yaml', 'PIL'),
+        ('numpy', 'scipy', 'yaml', 'PIL'),
     ),
     'viewing/page': (
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),

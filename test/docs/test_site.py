@@ -83,3 +83,13 @@ def test_the_index_lists_every_page():
     pages = {path.relative_to(ROOT / 'docs').as_posix() for path in (ROOT / 'docs').rglob('*.md')}
     pages = {page for page in pages if not page.startswith('api/')}  # python_api.md lists these
     assert {*re.findall(r'\]\(([^)#]+\.md)\)', index)} == pages - {'index.md'}
+
+
+def test_the_navigation_has_the_order_of_the_index():
+    index = (ROOT / 'docs/index.md').read_text().partition('## Tutorials')[2]
+    site = (ROOT / 'mkdocs.yml').read_text().partition('nav:')[2]
+    listed = re.findall(r'\]\(([^)#]+\.md)\)', index)
+    navigation = re.findall(r': (\S+\.md)$', site, re.M)
+    assert list(dict.fromkeys(listed)) == [
+        page for page in navigation if page != 'index.md' and not page.startswith('api/')
+    ]

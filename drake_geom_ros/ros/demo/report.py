@@ -15,8 +15,8 @@ def write_report(
 ) -> list[str]:
     """Write the files into a folder, made where it is missing; return what they hold, a line each.
 
-    closest.png is left out where no two robots came near enough for a result, camera.png, too,
-    where the scene has no camera.
+    closest.png and camera.png need the description of the scene, and are left out where no two
+    robots came near enough for a result; camera.png, too, where the scene has no camera.
     """
     folder.mkdir(parents=True, exist_ok=True)
     rows = write_results(recording, folder / 'results.csv')
@@ -27,12 +27,12 @@ def write_report(
         f'{folder / "distances.png"}: deepest penetration {deepest * 1e3:.2f} mm, '
         f'{len(recording.changes)} filter changes'
     )
-    if recording.approach is not None:
-        draw_closest(recording, folder / 'closest.png')
+    if recording.approach is not None and description is not None:
+        draw_closest(recording, description, folder / 'closest.png')
         moment = recording.approach
         name = recording.scene.pair_name(moment.id_a, moment.id_b)
         said.append(f'{folder / "closest.png"}: {name}, {moment.distance * 1e3:.2f} mm')
-        if description and (seen := draw_camera(description, moment, folder / 'camera.png')):
+        if seen := draw_camera(description, moment, folder / 'camera.png'):
             said.append(f'{folder / "camera.png"}: colour, depth and labels of the camera {seen}')
     cycle = percentiles(recording.cycle_seconds)
     age = percentiles([pairs.age for pairs in recording.pairs])

@@ -269,7 +269,7 @@ def draw(world: World, steps: list[Step], path: Path) -> None:
     plot.plot(
         [s.time for s in steps], [s.published for s in steps], '.', label='published by the node'
     )
-    plot.axhline(_KEEP, color='tab:red', linewidth=0.8, label='to be kept')
+    plot.axhline(_KEEP, color='black', linewidth=0.8, label='limit')
     plot.set_xlabel('time of the motion [s]')
     plot.set_ylabel('left arm to what was seen [m]')
     plot.set_ylim(bottom=min(0.0, *would))

@@ -6,6 +6,7 @@ import numpy as np
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable
 from drake_geom_ros.ros.demo.recording import Approach, FilterChange, Recording
+from drake_geom_ros.scene_files import read_scene
 
 
 def _at(x, y, z):
@@ -28,6 +29,34 @@ def table(version=1):
         version,
     )
 
+
+# The same scene as a scene file.
+DESCRIPTION = read_scene("""
+sources: [left, right, things, room]
+frames:
+- {name: hand, source: left}
+- {name: arm, source: left}
+- {name: hand, source: right}
+- {name: can, source: things}
+geometries:
+- name: ball
+  source: left
+  frame: hand
+  pose: {position: [0, 0, 0.05]}
+  shape: {type: sphere, radius: 0.1}
+- {name: rod, source: left, frame: arm, shape: {type: cylinder, radius: 0.05, length: 0.4}}
+- {name: ball, source: right, frame: hand, shape: {type: sphere, radius: 0.1}}
+- {name: can, source: things, frame: can, shape: {type: capsule, radius: 0.03, length: 0.1}}
+- name: table
+  source: room
+  pose: {position: [0, 0, -0.2]}
+  shape: {type: box, size: [1.0, 0.6, 0.1]}
+- {name: floor, source: room, pose: {position: [0, 0, -0.8]}, shape: {type: half_space}}
+- name: stone
+  source: room
+  pose: {position: [0.3, 0.1, -0.1]}
+  shape: {type: ellipsoid, semi_axes: [0.05, 0.1, 0.02]}
+""")
 
 POSES = {
     ('left', 'hand'): _at(-0.2, 0, 0.2),

@@ -21,7 +21,7 @@ cameras:
 
 
 def test_three_files_and_what_they_hold(tmp_path):
-    said = write_report(scenes.recording(), tmp_path / 'out' / 'demo')
+    said = write_report(scenes.recording(), tmp_path / 'out' / 'demo', scenes.DESCRIPTION)
     names = {path.name for path in (tmp_path / 'out' / 'demo').iterdir()}
     assert names == {'results.csv', 'distances.png', 'closest.png'}
     assert '120 rows of 40 results' in said[0]
@@ -33,7 +33,7 @@ def test_three_files_and_what_they_hold(tmp_path):
 def test_without_a_closest_moment_the_picture_is_left_out(tmp_path):
     made = scenes.recording()
     made.approach = None
-    write_report(made, tmp_path)
+    write_report(made, tmp_path, scenes.DESCRIPTION)
     assert {path.name for path in tmp_path.iterdir()} == {'results.csv', 'distances.png'}
 
 

@@ -11,8 +11,9 @@ function bodyDetails({letter, name, rows}, isOpen) {
     element('dl', {}, rows.map(([label, text]) => [element('dt', {}, label), element('dd', {}, text)])));
 }
 
-function pairDetails(pair) {
+function pairDetails(pair, bodies) {
   if (!pair) return [];
+  const [first, second] = [...bodies].sort((a, b) => a.id - b.id);
   const changes = state.kind?.live ? [] : [
     element('button', {onclick: () => send('declare', {allow: false})}, 'exclude this pair'),
     element('button', {onclick: () => send('declare', {allow: true})}, 'allow this pair')];
@@ -24,8 +25,8 @@ function pairDetails(pair) {
         `± ${pair.error_bound === null ? '∞' : pair.error_bound.toExponential(1)} m`)),
     hint(pair.filter ? `Queries leave this pair out: ${pair.filter}.` : `Queries report this pair${beyond && ` (${beyond})`}.`),
     pair.p_WCa ? element('dl', {},
-      [['nearest on lower id', pair.p_WCa], ['nearest on higher id', pair.p_WCb]].map(([label, point]) =>
-        [element('dt', {}, label), element('dd', {}, `${point.map(value => value.toFixed(4)).join(' ')} m`)])) : null,
+      [[first, pair.p_WCa], [second, pair.p_WCb]].sort(([a], [b]) => (a.letter < b.letter ? -1 : 1)).map(([{letter}, point]) =>
+        [element('dt', {}, `nearest on ${letter}`), element('dd', {}, `${point.map(value => value.toFixed(4)).join(' ')} m`)])) : null,
     element('div', {className: 'row'}, changes),
   ];
 }
@@ -37,7 +38,7 @@ on('selection', ({bodies, pair}) => {
     return;
   }
   const isOpen = letter => (bodies.length === 1 ? true : open.includes(letter) && open.length < 3);
-  $('selection').replaceChildren(...pairDetails(pair),
+  $('selection').replaceChildren(...pairDetails(pair, bodies),
     ...bodies.map(body => bodyDetails(body, isOpen(body.letter))),
     element('div', {className: 'row'},
       element('button', {onclick: () => send('fly')}, 'fly to it'),
@@ -114,7 +115,7 @@ function showRules() {
   },
   element('td', {}, swatch(rule.entered ? rgb(rule.colour) : 'var(--line)'), rule.name), element('td', {}, rule.level),
   element('td', {}, rule.entered ? element('strong', {}, `entered: ${rule.said}`) : rule.said || 'not entered'),
-  element('td', {className: 'number'}, rule.distance === null ? '' : millimetres(rule.distance)));
+  element('td', {className: 'number'}, rule.distance === null ? `none within ${state.options?.max_distance ?? 0} m` : millimetres(rule.distance)));
   rulesTab.replaceChildren(
     ...titled('Proximity rules', rules.length ? table(['rule', 'level', 'state', 'nearest'], rules.map(ruleRow)) : hint('This scene has no rules.')),
     ...titled('Filters of this page', filters.length

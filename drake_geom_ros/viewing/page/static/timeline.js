@@ -2,7 +2,7 @@
 
 const OUTCOMES = {clear: '#1a59ff', contact: '#f25900', unknown: '#9aa3ad'};
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-const LEFT = 64, RIGHT = 14, TOP = 8, BOTTOM = 22, STRIP = 6;  // pixels around the plot
+const LEFT = 64, RIGHT = 14, TOP = 22, BOTTOM = 22, STRIP = 6;  // pixels around the plot
 
 const clockText = element('span', {className: 'clock'});
 const playButton = element('button', {onclick: () => send('play', {on: !state.clock?.playing})}, 'play');
@@ -59,7 +59,7 @@ function showPlot() {
   for (const points of parts.filter(part => part.length)) {
     strip.append(drawn('polyline', {points: points.join(' '), fill: 'none', stroke: 'var(--blue)', 'stroke-width': 1.6}));
   }
-  strip.append(drawn('text', {x: LEFT + 6, y: TOP + 11},
+  strip.append(drawn('text', {x: 4, y: 10},
     `minimum distance of ${line.about ? `pairs ${line.about}` : 'all pairs'}`));
   showOutcomes(line, bottom);
   showCursor();
