@@ -34,9 +34,12 @@ told_of_other_ros() {
   compute_keys
   if (($1 == 0)); then
     echo "$name ok, "
-  elif stamped "$venv/.stamp-packages" "$packages_key"; then
+  elif stamped "$venv/.stamp-tools" "$packages_key" && {
+    # Where messages fail, packages are ended beside them.
+    stamped "$venv/.stamp-packages" "$packages_key" || ! stamped "$prefix/.stamp" "$messages_key"
+  }; then
     echo "$name FAILED, "
   else
-    echo "$name NOT RUN (its packages cannot be installed: ${logs#"$root"/}/packages.log), "
+    echo "$name NOT RUN (its packages cannot be installed: ${logs#"$root"/}), "
   fi
 }

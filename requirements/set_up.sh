@@ -23,6 +23,8 @@ choose_ros() {
   underlay=$(find_underlay)
   [[ -n $underlay ]] || name=${ROS_DISTRO:-kilted}
   wheels=$root/requirements/$name # the pins of its packages
+  introspection=ON # in messages, by which the middleware of Jazzy registers their types
+  [[ $name != kilted ]] || introspection=OFF
   venv=$root/.venv
   logs=$root/log/setup
   if [[ $name != kilted ]]; then venv+=-$name; logs+=-$name; folder=$venv; fi
@@ -98,18 +100,23 @@ set_up() {
     [[ -z $underlay ]] || say "on top of ROS in $underlay"
     stamped "$prefix/.stamp" "$messages_key" || check_system
     step venv "$venv/.stamp" "$venv_key" make_venv
-    step packages "$venv/.stamp-packages" "$packages_key" install_packages
+    step tools "$venv/.stamp-tools" "$packages_key" install_tools
     # Beside the messages, in a process group of its own, which ends with this shell.
     set -m
-    step kernels "$venv/.stamp-kernels" "$packages_key" compile_kernels 9<&- &
+    packages_and_kernels 9<&- &
     set +m
-    local kernels=$! owner=$BASHPID
+    local beside=$! owner=$BASHPID
     # A heartbeat that is ended as soon as it is forked runs the trap of the shell it came from.
-    trap '((BASHPID != owner)) || kill -- "-$kernels" 2>/dev/null || true' EXIT
+    trap '((BASHPID != owner)) || kill -- "-$beside" 2>/dev/null || true' EXIT
     step messages "$prefix/.stamp" "$messages_key" build_messages
-    wait "$kernels"
+    wait "$beside"
   ) 9<"$root/run"
   trap - INT
+}
+
+packages_and_kernels() {
+  step packages "$venv/.stamp-packages" "$packages_key" install_packages
+  step kernels "$venv/.stamp-kernels" "$packages_key" compile_kernels
 }
 
 # step NAME STAMP KEY FUNCTION: runs FUNCTION unless STAMP says that it was done for KEY.
@@ -220,13 +227,25 @@ make_venv() {
   if [[ -n $underlay ]]; then "$venv/bin/python" -c 'import rclpy'; fi
 }
 
+# What messages are built with, and ROS: a small part of all that is downloaded, so building begins
+# while the rest is on its way.
+install_tools() {
+  if [[ -n $underlay ]]; then
+    add_sets build
+  else
+    add_sets build -r "$wheels/ros.txt" -r "$wheels/ros_build.txt" -c "$wheels/lock.txt" \
+      -c "$root/requirements/core.txt" numpy
+    relocate_exports
+  fi
+}
+
 install_packages() {
   if [[ -n $underlay ]]; then
-    add_sets core demo build
+    add_sets core demo
   else
-    add_sets core demo build -r "$wheels/ros.txt" -r "$wheels/ros_build.txt" -c "$wheels/lock.txt"
+    add_sets core demo -c "$wheels/lock.txt"
+    "$venv/bin/python" -m pip check
   fi
-  [[ -n $underlay ]] || { "$venv/bin/python" -m pip check; relocate_exports; }
   # Makes package://drake_geom_ros and share look-ups find this source tree.
   mkdir -p "$venv"/share/{drake_geom_ros,ament_index/resource_index/packages}
   touch "$venv/share/ament_index/resource_index/packages/drake_geom_ros"
@@ -343,7 +362,7 @@ build_messages() {
   local python_only=ON
   # A distribution has C++ nodes and recorders, and other versions of the generators.
   [[ -z $underlay ]] || python_only=OFF
-  build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only
+  build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only -DINTROSPECTION=$introspection
 }
 
 # The messages of TF, of occupancy grids, of OctoMap and of MoveIt, which distributions bring and no wheel; those that

@@ -19,7 +19,8 @@ pytestmark = [pytest.mark.packaging, pytest.mark.processes]
 FAKE_STEPS = """
 check_system() { :; }
 make_venv() { echo venv >>"$root/calls"; mkdir -p "$venv"; }
-install_packages() { echo packages >>"$root/calls"; }
+install_tools() { echo tools >>"$root/calls"; }
+install_packages() { echo packages >>"$root/beside"; }
 build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
 build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
 compile_kernels() { echo kernels >>"$root/beside"; }
@@ -188,8 +189,8 @@ def test_steps_run_once_and_in_order(folder):
     for _ in range(2):
         code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
         assert code == 0, errors
-    assert calls(folder) == ['venv', 'packages', 'messages']
-    assert (folder / 'beside').read_text() == 'kernels\n'
+    assert calls(folder) == ['venv', 'tools', 'messages']
+    assert (folder / 'beside').read_text() == 'packages\nkernels\n'
 
 
 def test_what_is_ended_as_soon_as_it_is_forked_does_not_end_the_kernels(folder):
@@ -206,7 +207,18 @@ logged() {
 """
     code, _, errors = shell(folder, FAKE_STEPS + steps + 'set_up')
     assert code == 0, errors
-    assert (folder / 'beside').read_text() == 'kernels\n'
+    assert (folder / 'beside').read_text() == 'packages\nkernels\n'
+
+
+def test_messages_are_built_while_packages_are_on_their_way(folder):
+    waits = """
+install_packages() {
+  for _ in {1..600}; do [[ ! -e $prefix ]] || return 0; sleep 0.1; done
+  false
+}
+"""
+    code, _, errors = shell(folder, FAKE_STEPS + waits + 'set_up')
+    assert code == 0, errors
 
 
 BUSY = 'compile_kernels() { echo $BASHPID >"$root/busy"; sleep 60; }\n'
@@ -249,7 +261,7 @@ def test_kernels_that_do_not_compile_are_told(folder):
     code, _, errors = shell(folder, FAKE_STEPS + broken + 'set_up')
     assert code == 1
     assert "step 'kernels' failed" in errors
-    assert calls(folder) == ['venv', 'packages', 'messages']
+    assert calls(folder) == ['venv', 'tools', 'messages']
 
 
 def test_the_kernels_of_other_shapes_are_compiled_once_and_beside_what_runs(folder):
@@ -278,7 +290,7 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     for _ in range(2):
         code, _, errors = shell(folder, FAKE_STEPS + 'set_up; prepare_with_tf free_domain')
         assert code == 0, errors
-    assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
+    assert calls(folder) == ['venv', 'tools', 'messages', 'tf2_msgs']
 
 
 SETS = {
@@ -317,7 +329,7 @@ def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(fol
         append(folder / f'requirements/{name}.txt', change)
         code, _, errors = shell(folder, script + f'prepare_with {name}')
         assert code == 0, errors
-    assert calls(folder) == ['venv', 'packages', 'messages', name, name]
+    assert calls(folder) == ['venv', 'tools', 'messages', name, name]
 
 
 @pytest.mark.parametrize(
@@ -410,7 +422,7 @@ def test_what_was_deleted_is_made_again(folder):
     shell(folder, FAKE_STEPS + 'set_up')
     shutil.rmtree(folder / 'install')
     shell(folder, FAKE_STEPS + 'set_up')
-    assert calls(folder) == ['venv', 'packages', 'messages', 'messages']
+    assert calls(folder) == ['venv', 'tools', 'messages', 'messages']
 
 
 def test_a_failed_step_says_which_why_and_where_and_is_taken_up_again(folder):
@@ -425,23 +437,23 @@ def test_a_failed_step_says_which_why_and_where_and_is_taken_up_again(folder):
     assert 'not reached' not in log.read_text()
     code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
     assert code == 0, errors
-    assert calls(folder) == ['venv', 'packages', 'messages']
+    assert calls(folder) == ['venv', 'tools', 'messages']
 
 
 def test_a_killed_set_up_is_taken_up_again(folder):
-    killed = 'install_packages() { kill -KILL -- -$$; }\n'
+    killed = 'install_tools() { kill -KILL -- -$$; }\n'
     code, _, _ = shell(folder, FAKE_STEPS + killed + 'set_up')
     assert code == -9
     code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
     assert code == 0, errors
-    assert calls(folder) == ['venv', 'packages', 'messages']
+    assert calls(folder) == ['venv', 'tools', 'messages']
 
 
 def test_of_two_at_once_one_sets_up_and_the_other_waits(folder):
     both = [start(folder, FAKE_STEPS + 'set_up') for _ in range(2)]
     errors = [process.communicate(timeout=800)[1] for process in both]
     assert [process.returncode for process in both] == [0, 0], errors
-    assert calls(folder) == ['venv', 'packages', 'messages']
+    assert calls(folder) == ['venv', 'tools', 'messages']
 
 
 @pytest.mark.parametrize('version', ['3.9.18', '3.14.0', '2.7.18', ''])
@@ -636,7 +648,7 @@ def test_the_node_is_tested_on_jazzy_in_an_environment_of_its_own(folder):
     assert first.startswith('.venv-jazzy -m pytest')
     assert first.endswith('test/ros/test_it.py')
     assert all(line.startswith('.venv -m ') for line in others)
-    assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
+    assert calls(folder) == ['venv', 'tools', 'messages', 'tf2_msgs']
 
 
 @pytest.mark.parametrize(
@@ -647,7 +659,7 @@ def test_the_node_is_tested_on_jazzy_in_an_environment_of_its_own(folder):
         (
             'install_packages() { false; echo; }',
             0,
-            'NOT RUN (its packages cannot be installed: log/setup-jazzy/packages.log)',
+            'NOT RUN (its packages cannot be installed: log/setup-jazzy)',
         ),
     ],
 )
