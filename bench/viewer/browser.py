@@ -44,7 +44,8 @@ class Browser:
             (tab,) = [each for each in json.load(answer) if each['type'] == 'page']
         from websockets.sync.client import connect
 
-        self._socket = connect(tab['webSocketDebuggerUrl'], max_size=None)
+        # Without pings: a browser that is busy for longer than their 20 s is waited for in `send`.
+        self._socket = connect(tab['webSocketDebuggerUrl'], max_size=None, ping_interval=None)
         self._numbers = itertools.count()
         self._down = False
         self.send('Page.enable')
