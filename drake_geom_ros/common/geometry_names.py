@@ -20,6 +20,7 @@ class GeometryNames(NamedTuple):
     is_anchored: bool  # true: its frame is the world, or fixed to it
     # Names of the frames that carry it as a part, and of their sources.
     carriers: tuple[str, ...] = ()
+    is_zone: bool = False  # only rules that name it see it
 
     @property
     def short_name(self) -> str:
@@ -42,10 +43,15 @@ class GeometryNames(NamedTuple):
         return full_name((self.source, self.name)) if self.is_anchored else self.frame
 
     @property
+    def own_names(self) -> tuple[str, ...]:
+        """The names of the geometry alone, without those of what it is part of."""
+        return self.name, self.short_name, self.full_name
+
+    @property
     def found_by(self) -> tuple[str, ...]:
         """The names that patterns match: of its source, frame and carriers, and its own."""
         of_others = self.source, self.frame, self.frame_name, self.body
-        return (*of_others, self.name, self.short_name, self.full_name, *self.carriers)
+        return (*of_others, *self.own_names, *self.carriers)
 
 
 def carrier_names(frames: Iterable[tuple[str, str, bool]]) -> tuple[str, ...]:

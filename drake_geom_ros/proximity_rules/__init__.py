@@ -24,12 +24,24 @@ from drake_geom_ros.proximity_rules.rule import (
 )
 from drake_geom_ros.proximity_rules.unseen_bodies import unseen_of_groups, unseen_of_rule
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedKinds, WatchedPairs
+from drake_geom_ros.proximity_rules.zones import (
+    SENSOR,
+    SOLID,
+    Zones,
+    check_zone,
+    is_zone,
+    named_zones,
+    properties_of_zone,
+    zones_in,
+)
 
 __all__ = [
     'Event',
     'Level',
     'Measured',
     'NamedGeometries',
+    'SENSOR',
+    'SOLID',
     'Poses',
     'ProximityRule',
     'RuleError',
@@ -42,8 +54,14 @@ __all__ = [
     'WatchedKinds',
     'WatchedPairs',
     'Why',
+    'Zones',
+    'check_zone',
+    'is_zone',
+    'named_zones',
+    'properties_of_zone',
     'scale_points',
     'stopping_points',
     'unseen_of_groups',
     'unseen_of_rule',
+    'zones_in',
 ]

@@ -97,6 +97,8 @@ def events_of(
                 pair = _NO_PAIR
             elif why == Why.CANNOT_STOP:
                 pair = _pair_of(stops.get(rule.name))
+        if rule.min_points > 1 and not enters:  # its nearest pair is no reason to be left
+            pair = _NO_PAIR
         limits = limit, rule.min_time_to_contact
         events.append(Event(sequence, rule.name, rule.level, enters, why, *pair, *limits))
     return events

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +35,8 @@ class Measured(NamedTuple):
     # (n,) geometries of unknown motion, in the order of ``WatchedPairs.ids``; None: none.
     unpredicted: Flags | None = None
     unseen: UnseenBodies | None = None  # None: nothing is out of the sight of sensors
+    # By ``min_points`` of rules: the distances (k,) [m] that count for them, with the same bounds.
+    counted: Mapping[int, Floats] = MappingProxyType({})
 
 
 _NO_IDS, _NO_NUMBERS, _NO_POINTS = np.empty(0, dtype=np.int64), np.empty(0), np.empty((0, 3))

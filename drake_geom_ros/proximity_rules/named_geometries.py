@@ -1,4 +1,8 @@
-"""Geometries that the patterns of a rule's sets match, cached because rules repeat patterns."""
+"""Geometries that the patterns of a rule's sets match, cached because rules repeat patterns.
+
+Zones are matched by their own names alone: neither by those of their source or frame nor by
+wildcards, and no rule of level STOPPABLE is about one.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.array_types import Flags
-from drake_geom_ros.proximity_rules.rule import ProximityRule
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule
 
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
 
@@ -34,9 +38,11 @@ class NamedGeometries:
         self.names = names
         self._count = len(names)
         self.vital = np.zeros(self._count, dtype=np.bool_) if vital is None else vital
+        self.is_zone: Flags = np.array([each.is_zone for each in names], dtype=np.bool_)
         self._rows: dict[str, list[int]] = {}  # by name; most have one or a few
         for row, names_of_one in enumerate(names):
-            for name in dict.fromkeys(names_of_one.found_by):
+            found_by = names_of_one.own_names if names_of_one.is_zone else names_of_one.found_by
+            for name in dict.fromkeys(found_by):
                 self._rows.setdefault(name, []).append(row)
         self._masks: dict[str, Flags] = {}  # by pattern
         self._like: dict[str, str] = {}  # suggestions for patterns that match nothing
@@ -46,18 +52,25 @@ class NamedGeometries:
 
         A rule that ``may_lack`` patterns goes on with the others if neither set becomes empty.
         """
-        in_a, in_b = self._members(rule.set_a), self._members(rule.set_b)
+        may_see = ~self.is_zone if rule.level == Level.STOPPABLE else np.True_
+        in_a, in_b = (self._members(names) & may_see for names in (rule.set_a, rule.set_b))
         patterns = (*rule.set_a, *rule.set_b)
-        lacking = [pattern for pattern in patterns if not self._members([pattern]).any()]
+        members = [(pattern, self._members([pattern]) & may_see) for pattern in patterns]
+        lacking = [pattern for pattern, each in members if not each.any()]
         is_whole = bool(in_a.any()) and (not rule.set_b or bool(in_b.any()))
         if lacking and not (may_lack and is_whole):
             nothing = self._members([])
             return RuleSets(nothing, nothing, lacking[0])
-        return RuleSets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
+        return RuleSets(
+            in_a, in_b if rule.set_b else ~(in_a | self.is_zone), lacking=tuple(lacking)
+        )
 
     def named(self, pattern: str) -> Flags:
-        """Return a mask (n,) of the geometries that match a name or pattern."""
-        return self._members([pattern])
+        """Return a mask (n,) of the geometries that match a name or pattern, and their zones."""
+        members = self._members([pattern])
+        for row in np.flatnonzero(self.is_zone).tolist():
+            members[row] |= matches(self.names[row].found_by, pattern)
+        return members
 
     def _members(self, patterns: Sequence[str]) -> Flags:
         members = np.zeros(self._count, dtype=np.bool_)
@@ -76,15 +89,18 @@ class NamedGeometries:
         for name, rows in self._rows.items():
             if matches([name], pattern):
                 members[rows] = True
-        return members
+        return members & ~self.is_zone
 
     def unknown(self, rule: ProximityRule, pattern: str) -> str:
         """Return the error text for a rule with a pattern that matches nothing."""
         if pattern not in self._like:
             self._like[pattern] = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
         like = self._like[pattern]
+        what = 'queries report'
+        if rule.level == Level.STOPPABLE and self._members([pattern]).any():
+            like, what = '', f'{what}, but for a zone, which no stoppable rule is about'
         return (
             f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
-            f'queries report{like}. The scene has {counted(self._count, "geometry")} with '
+            f'{what}{like}. The scene has {counted(self._count, "geometry")} with '
             'the proximity role; see ~/scene'
         )

@@ -63,6 +63,9 @@ class ProximityRule:
     'enter' for stop and slow rules, 'keep' for warnings. ``scale`` is pairs (distance [m], speed
     scale 0 to 1), for slow rules only: see ``speed_scale``.
 
+    Of a sensed map at least ``min_points`` cells or points must be near: the distance of a map is
+    that of the one of this rank, the nearest first.
+
     A rule with ``acknowledge`` is latched: once entered it is left only after somebody
     acknowledged that entering: see ``RuleMonitor.acknowledge``.
 
@@ -92,6 +95,7 @@ class ProximityRule:
     when_stale: str = ''
     scale: tuple[tuple[float, float], ...] = ()
     acknowledge: bool = False
+    min_points: int = 1
     joint_names: tuple[str, ...] = ()
     decelerations: tuple[float, ...] = ()
     stopping_times: tuple[tuple[float, float], ...] = ()
@@ -124,6 +128,8 @@ class ProximityRule:
         if self.when_stale not in ('', ENTER, KEEP):
             raise self._refusal(f"when_stale is {self.when_stale!r}; it must be 'enter' or 'keep'")
         self._check_scale()
+        if not (isinstance(self.min_points, int) and self.min_points >= 1):
+            raise self._refusal(f'min_points is {self.min_points}; it must be a number from 1 on')
         if self.level != Level.STOPPABLE:
             object.__setattr__(self, 'stop_category', 0)
             for field in (*_OF_STOPPING, *_NUMBERS_OF_STOPPING):
@@ -139,6 +145,8 @@ class ProximityRule:
                     f'{field} is for other levels; a stoppable rule goes by its braking, and by '
                     'margin [m]'
                 )
+        if self.min_points != 1:
+            raise self._refusal('min_points is for other levels; a stoppable rule counts all')
         for field in ('margin', 'max_speed'):
             value = getattr(self, field)
             if not (math.isfinite(value) and value >= 0.0):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from drake_geom_ros.proximity_rules.nearest_pairs import (
     SetBits,
     nearest_pairs,
 )
-from drake_geom_ros.proximity_rules.rule import ProximityRule
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule
 
 Ids = NDArray[np.int64]
 
@@ -68,14 +69,23 @@ class WatchedPairs:
         names that match nothing, without which it goes on.
         """
         self.ids: Ids = np.array(scene.ids, dtype=np.int64)
-        # Rules with the same sets differ if only one of them may lack a name.
-        keys = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
+        # Rules with the same sets differ if only one of them may lack a name or sees zones, and if
+        # they count points.
+        keys = [
+            (
+                *(rule.set_a, rule.set_b, rule.name in met),
+                *(rule.level == Level.STOPPABLE, rule.min_points),
+            )
+            for rule in rules
+        ]
         numbers: dict[tuple[object, ...], int] = {}
         self.groups: Ids = np.array(
             [numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64
         )
         firsts = np.unique(self.groups, return_index=True)[1].tolist()
+        self.min_points: Ids = np.array([rules[n].min_points for n in firsts], dtype=np.int64)
         finder = scene.geometries
+        self._is_zone = finder.is_zone
         sets = [finder.sets_of(rules[n], may_lack=keys[n][2]) for n in firsts]
         shape = len(firsts), len(scene.ids)
         self._in_a = np.array([each.in_a for each in sets], dtype=np.bool_).reshape(shape)
@@ -125,6 +135,16 @@ class WatchedPairs:
         """Return the geometries (n,) whose poses a rule needs."""
         return np.asarray(self._needed[self.groups[rule]])
 
+    @cached_property
+    def needed_zones(self) -> Flags:
+        """The zones (n,) that any rule is about."""
+        return np.asarray(self._needed.any(axis=0) & self._is_zone)
+
+    def is_about_zones(self, rule: int) -> bool:
+        """Return whether one of the sets of a rule is nothing but zones."""
+        sets = self._in_a[self.groups[rule]], self._in_b[self.groups[rule]]
+        return any(bool(each.any()) and not (each & ~self._is_zone).any() for each in sets)
+
     def sets_of(self, rule: int) -> tuple[Ids, Ids]:
         """Return the id values of the geometries in the two sets of a rule."""
         group = self.groups[rule]
@@ -143,7 +163,14 @@ class WatchedPairs:
 
     def nearest_of_groups(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
         """Return the nearest pairs of each group; ``groups`` (r,) maps rules to groups."""
-        return nearest_pairs(measured, farthest, self._bits, len(self._in_a))
+        nearest = nearest_pairs(measured, farthest, self._bits, len(self._in_a))
+        for count, distance in measured.counted.items():
+            counting = self.min_points == count
+            as_counted = measured._replace(distance=distance)
+            counted = nearest_pairs(as_counted, farthest, self._bits, len(self._in_a))
+            for column, other in zip(nearest, counted, strict=True):
+                column[counting] = other[counting]
+        return nearest
 
     def groups_with(self, rows: Ids) -> Ids:
         """Return the groups with any of some geometries, by row, in a set."""

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import AccuracyLike, GeometryError, GeometryId, Que
 from drake_geom_ros.live.scene.pose_ages import time_of
 from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.scene_view import SceneView
+from drake_geom_ros.proximity_rules import named_zones, zones_in
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording
@@ -292,8 +293,12 @@ class _Auditor:
         if verdict.finding == Finding.NOT_TO_BE_TOLD or verdict.distance is None:
             outcome = Outcome.WITHIN if verdict.finding == Finding.FOUNDED else None
             return Compared(outcome or Outcome.NOT_REPRODUCIBLE, verdict.because)
-        a, b = names[event.geometry_a], names[event.geometry_b]
         query = state.view.query
+        inspector = query.inspector()
+        names |= named_zones(inspector)
+        a, b = names[event.geometry_a], names[event.geometry_b]
+        if zones := {id: each for id, each in zones_in(inspector).items() if id in (a, b)}:
+            query = query.with_proximity(zones)
         if not (query.is_placed(a) and query.is_placed(b)):
             return Compared(Outcome.NOT_REPRODUCIBLE, 'its pair waits for a pose here')
         now = query.signed_distance_of_pair(a, b, accuracy=event.accuracy)

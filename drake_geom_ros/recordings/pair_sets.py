@@ -12,7 +12,8 @@ from drake_geom_ros.common.geometry_names import GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED
-from drake_geom_ros.live.scene.scene_rules import geometry_names, hanging
+from drake_geom_ros.live.scene.bound_rules import hanging
+from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.math.array_types import Flags
 
 ALL = 'all'

@@ -20,7 +20,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.proximity_rules import Why
+from drake_geom_ros.proximity_rules import Why, named_zones, properties_of_zone
 from drake_geom_ros.replay.recorded_events import RecordedEvent
 from drake_geom_ros.scene_files import SceneFileError, load_scene
 
@@ -79,7 +79,8 @@ class Judge:
         return judge
 
     def _take(self, graph: SceneGraph, names: Mapping[str, GeometryId], file: str) -> None:
-        self._graph, self._geometries, self._file = graph, names, file
+        self._graph, self._file = graph, file
+        self._geometries = {**names, **named_zones(graph.model_inspector())}
 
     def verdict(self, event: RecordedEvent) -> Verdict:
         """Return whether the decision of an event was founded.
@@ -131,6 +132,9 @@ class Judge:
         for end, name in enumerate((event.geometry_a, event.geometry_b)):
             instance = inspector.CloneGeometryInstance(self._geometry(name))
             instance.set_pose(RigidTransform())
+            illustration = instance.illustration_properties()
+            if instance.proximity_properties() is None and illustration is not None:
+                instance.set_proximity_properties(properties_of_zone(illustration))
             frame = graph.RegisterFrame(source, GeometryFrame(f'{end}'))
             ids.append(graph.RegisterGeometry(source, frame, instance))
             Rs, ps = matrices_from_poses((event.pose_a, event.pose_b)[end][None])

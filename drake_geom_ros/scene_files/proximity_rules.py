@@ -45,6 +45,7 @@ def _rule(plain: Any) -> ProximityRule:
         when_stale=plain.get('when_stale', ''),
         scale=_points(plain.get('scale', ())),
         acknowledge=plain.get('acknowledge', False),
+        min_points=plain.get('min_points', 1),
         **_decelerations(plain),
         stopping_times=_points(plain.get('stopping_times', ())),
         stop_category=plain.get('stop_category', 1),
@@ -85,6 +86,7 @@ def plain_proximity_rule(rule: ProximityRule) -> dict[str, Any]:
         'when_stale': rule.when_stale,
         'scale': [list(point) for point in rule.scale],
         'acknowledge': rule.acknowledge,
+        'min_points': rule.min_points if rule.min_points > 1 else None,
         **_plain_braking(rule),
     }
     needed: dict[str, Any] = (

@@ -24,7 +24,7 @@ from drake_geom_ros.geometry import (
     UnknownIdError,
 )
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.proximity_rules import ProximityRule
+from drake_geom_ros.proximity_rules import ProximityRule, check_zone
 from drake_geom_ros.scene_files.description import (
     WORLD,
     AwaitedFilter,
@@ -323,6 +323,7 @@ class _Registration:
 
     def _register_geometry(self, geometry: GeometryDescription) -> None:
         source_id = self._sources[geometry.source]
+        check_zone(geometry.shape, geometry.roles.get(Role.kIllustration))
         geometry_id = self._scene_graph.RegisterGeometry(
             context=self._context,
             source_id=source_id,

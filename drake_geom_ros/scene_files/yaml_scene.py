@@ -41,7 +41,7 @@ from drake_geom_ros.scene_files.yaml_values import (
     Plain,
     paddings_of_robot,
     pose_of,
-    roles_of,
+    roles_of_geometry,
     shape_of,
 )
 
@@ -299,7 +299,7 @@ class _SceneParser:
                 lambda warning: self._warnings.append(str(shape_place.error(warning))),
             )
             place = self._document.at(*path, 'roles')
-            roles = roles_of(plain.get('roles'))
+            roles = roles_of_geometry(plain, shape)
         except (ValueError, RuntimeError) as error:
             raise place.error(str(error)) from error
         return GeometryDescription(

@@ -35,7 +35,8 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
-from drake_geom_ros.scene_files import sensed_shapes
+from drake_geom_ros.proximity_rules import SENSOR, SOLID, is_zone
+from drake_geom_ros.scene_files import polygons, sensed_shapes
 from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
 from drake_geom_ros.scene_files.sensed_shapes import numbers_of
 
@@ -48,6 +49,7 @@ ROLE_NAMES = {
     Role.kIllustration: 'illustration',
     Role.kPerception: 'perception',
 }
+_ZONE_COLOUR = (1.0, 0.7, 0.1, 0.25)
 _PROPERTIES = {
     'proximity': (Role.kProximity, ProximityProperties),
     'illustration': (Role.kIllustration, IllustrationProperties),
@@ -116,6 +118,8 @@ def shape_of(plain: Plain, find_file: Callable[[str], str], warn: Callable[[str]
         return _height_field_of(plain)
     if kind in sensed_shapes.KINDS:
         return sensed_shapes.map_of(plain, find_file, warn)
+    if kind == 'polygon':
+        return polygons.prism_of(plain['points'], plain['height'])
     make = Convex if kind == 'convex' else Mesh
     if 'vertices' in plain:
         data = MeshData(
@@ -182,6 +186,33 @@ def _plain_mesh(data: MeshData) -> dict[str, Any]:
     return {key: b64encode(values.tobytes()).decode() for key, values in packed.items()}
 
 
+def roles_of_geometry(plain: Plain, shape: Shape) -> dict[Role, GeometryProperties]:
+    """Return the roles of a geometry; a ``sensor`` becomes a zone, see ``proximity_rules``.
+
+    A polygon that is not convex is a solid mesh.
+
+    Raises ArgumentError for invalid hydroelastic properties, and ValueError for another role than
+    illustration of a sensor.
+    """
+    is_sensor = plain.get('sensor', False)
+    given = plain.get('roles')
+    roles = roles_of({'illustration': {}, **(given or {})} if is_sensor else given)
+    if is_sensor and (others := [ROLE_NAMES[r] for r in roles if r is not Role.kIllustration]):
+        raise ValueError(
+            f'a sensor has the role {" and ".join(others)}; only rules see it, so it may have '
+            'illustration alone'
+        )
+    if is_sensor:
+        roles[Role.kIllustration].AddProperty(*SENSOR, True)
+        if not roles[Role.kIllustration].HasProperty('phong', 'diffuse'):
+            roles[Role.kIllustration].AddProperty('phong', 'diffuse', Rgba(*_ZONE_COLOUR))
+    measured = roles.get(Role.kIllustration if is_sensor else Role.kProximity)
+    is_polygon = plain['shape']['type'] == 'polygon' and isinstance(shape, Mesh)
+    if is_polygon and measured is not None and not measured.HasProperty(*SOLID):
+        measured.AddProperty(*SOLID, True)
+    return roles
+
+
 def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:
     """Return roles with their properties; only the proximity role if ``plain`` is None.
 
@@ -217,6 +248,12 @@ def plain_roles(roles: Mapping[Role, GeometryProperties]) -> dict[str, Any] | No
         ROLE_NAMES[role]: _plain_groups(properties)
         for role, properties in sorted(roles.items(), key=lambda item: int(item[0]))
     }
+    if is_zone(roles):  # which the key sensor says
+        group, name = SENSOR
+        del plain['illustration'][group][name]
+        plain['illustration'] = {
+            g: values for g, values in plain['illustration'].items() if values
+        }
     return None if plain == {'proximity': {}} else plain
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import yaml
 
+from drake_geom_ros.proximity_rules import is_zone
 from drake_geom_ros.scene_files.cameras import plain_camera
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -176,6 +177,7 @@ def _geometry(geometry: GeometryDescription) -> dict[str, Any]:
         frame=None if geometry.frame == WORLD else geometry.frame,
         pose=plain_pose(geometry.X_FG) or None,
         shape=plain_shape(geometry.shape),
+        sensor=is_zone(geometry.roles) or None,
         roles=plain_roles(geometry.roles),
     )
 

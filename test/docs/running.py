@@ -101,4 +101,4 @@ class PageRunner:
             path.write_text(text)
             load_motion(path, read_scene(ROOT / 'scenes/two_pandas.yaml'))
         else:
-            read_scene(self.scene_before + text)
+            read_scene(text if 'frames:' in text else self.scene_before + text)

@@ -38,7 +38,13 @@ from drake_geom_ros.geometry.model.contact_defaults import HeldConfig
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
-from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign, frozen
+from drake_geom_ros.geometry.model.properties import (
+    GeometryProperties,
+    ProximityProperties,
+    Role,
+    RoleAssign,
+    frozen,
+)
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -281,6 +287,17 @@ class Model:
         if role is Role.kProximity:
             record = prepared(record)
         self._store(record, roles=[role], names=assign is RoleAssign.kNew)
+        return record
+
+    def give_proximity(
+        self, geometry_id: GeometryId, properties: ProximityProperties
+    ) -> GeometryRecord:
+        """Give a geometry the proximity role in a copy for queries, whatever its name is.
+
+        Raises GeometryError if queries cannot support it.
+        """
+        record = prepared(self.geometry(geometry_id).changed(proximity=frozen(properties)))
+        self._store(record, roles=[Role.kProximity])
         return record
 
     def remove_role(

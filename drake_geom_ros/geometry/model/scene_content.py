@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from drake_geom_ros.geometry.ids import FrameId
-from drake_geom_ros.geometry.model._records import FrameRecord, Versions
+from drake_geom_ros.geometry.model._records import (
+    WORLD_FRAME_ID,
+    FrameRecord,
+    GeometryRecord,
+    Versions,
+)
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry._proximity.filters.state import FilterState
@@ -63,6 +68,12 @@ class SceneContent:
     def unweld(self, frame: int) -> None:
         """End the weld to the world of a frame, by its id value."""
         self.filters.unweld(frame, proximity_keys_on(self.model, FrameId(frame)))
+
+
+def add_to_filters(on: SceneContent, record: GeometryRecord) -> None:
+    """Add a geometry that got the proximity role to the filters."""
+    key, frame = record.id.get_value(), record.frame_id
+    on.filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
 
 
 def proximity_keys_on(model: Model, frame_id: FrameId) -> list[int]:

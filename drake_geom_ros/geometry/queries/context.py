@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -13,9 +13,10 @@ from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.ids import FrameId, SourceId
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.properties import ProximityProperties
 from drake_geom_ros.geometry.model.scene_content import SceneHolder
 from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.context_state import ContextState
@@ -70,6 +71,12 @@ class SceneGraphContext(SceneHolder):
         if kinds is None:
             kinds = np.arange(len(considered))
         return self._of(self._state.narrowed(considered, kinds))
+
+    def with_proximity(
+        self: _Context, properties: Mapping[GeometryId, ProximityProperties]
+    ) -> _Context:
+        """Return a copy with more geometries, see ``QueryObject.with_proximity``."""
+        return self._of(self._state.with_proximity(properties))
 
     def set_default_accuracy(self, accuracy: AccuracyLike) -> None:
         """Set the default accuracy of queries: bound, fast, balanced, exact or a length [m]."""

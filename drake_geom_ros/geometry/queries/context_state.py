@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from copy import copy
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
@@ -20,6 +20,8 @@ from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model.properties import ProximityProperties
+from drake_geom_ros.geometry.model.scene_content import add_to_filters
 from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike, accuracy_of
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
@@ -149,6 +151,15 @@ class ContextState(PosedScene):
         other.filters = self.filters.narrowed(kinds, considered)
         other.engine, other._prepared = Engine(), {}
         other.prepared_motions = PreparedMotions()
+        return other
+
+    def with_proximity(
+        self: _State, properties: Mapping[GeometryId, ProximityProperties]
+    ) -> _State:
+        """Return a copy in which more geometries have the proximity role."""
+        other = self.copy()
+        for id, each in properties.items():
+            add_to_filters(other, other.model.give_proximity(id, each))
         return other
 
     def _about(self: _State, model: Model) -> _State:

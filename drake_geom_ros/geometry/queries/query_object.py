@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -19,6 +20,7 @@ from drake_geom_ros.geometry.checks import checked_budget
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
+from drake_geom_ros.geometry.model.properties import ProximityProperties
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.accuracy import AccuracyLike
 from drake_geom_ros.geometry.queries.contact_queries import ContactQueries
@@ -109,6 +111,19 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
                 f'kinds {kind_of.shape}, from 0 on, must be {(count,)}.'
             )
         return QueryObject(self._context and self._context.narrowed(flags | flags.T, kind_of))
+
+    def with_proximity(self, properties: Mapping[GeometryId, ProximityProperties]) -> QueryObject:
+        """Return a query object of a copy in which these geometries have the proximity role, too.
+
+        For bodies that some queries see and others do not, such as zones. The copy stays at the
+        poses of now until ``pose_as``. Raises RuntimeError for an unknown id, and for a shape that
+        queries cannot support with these properties.
+        """
+        return QueryObject(self._context and self._context.with_proximity(properties))
+
+    def pose_as(self, other: QueryObject) -> None:
+        """Pose all frames as in another query object of the same scene."""
+        self._state.up_to_date_world().pose_as(other._state.up_to_date_world())
 
     # Poses.
 

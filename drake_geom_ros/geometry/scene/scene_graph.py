@@ -12,7 +12,7 @@ from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model import _attachments
 from drake_geom_ros.geometry.model._model import Model
-from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID, GeometryRecord
+from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID
 from drake_geom_ros.geometry.model.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.model.collision_filter_manager import CollisionFilterManager
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
@@ -24,7 +24,12 @@ from drake_geom_ros.geometry.model.properties import (
     Role,
     RoleAssign,
 )
-from drake_geom_ros.geometry.model.scene_content import SceneContent, SceneHolder, content_of
+from drake_geom_ros.geometry.model.scene_content import (
+    SceneContent,
+    SceneHolder,
+    add_to_filters,
+    content_of,
+)
 from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig, checked_config
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.accuracy import Accuracy, AccuracyLike, accuracy_of
@@ -185,7 +190,7 @@ class SceneGraph(SceneHolder):
         """
         record = on.model.assign_role(source_id, geometry_id, properties, assign)
         if assign is RoleAssign.kNew and isinstance(properties, ProximityProperties):
-            _add_to_filters(on, record)
+            add_to_filters(on, record)
 
     @or_on_context
     def RemoveRole(
@@ -515,14 +520,8 @@ def _register_geometry(
     """Register a geometry in a model, and in its filters if it has the proximity role."""
     record = on.model.register_geometry(source_id, parent, instance)
     if record.proximity is not None:
-        _add_to_filters(on, record)
+        add_to_filters(on, record)
     return record.id
-
-
-def _add_to_filters(on: SceneContent, record: GeometryRecord) -> None:
-    """Add a geometry that got the proximity role to the filters."""
-    key, frame = record.id.get_value(), record.frame_id
-    on.filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
 
 
 def _remove_from_filters(on: SceneContent, removed: _attachments.RemovedObjects) -> None:

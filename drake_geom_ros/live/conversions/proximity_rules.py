@@ -54,6 +54,7 @@ def rule_from_message(message: Any) -> ProximityRule:
         when_stale=message.when_stale,
         scale=scale,
         acknowledge=bool(message.acknowledge),
+        min_points=message.min_points or 1,
         joint_names=tuple(message.joint_names),
         decelerations=tuple(map(float, message.decelerations)),
         stopping_times=times,
@@ -81,6 +82,7 @@ def _rule_of(message: Any, k: int, lists: Mapping[str, list[tuple[Any, ...]]]) -
         **fields,
         when_stale=message.when_stale[k],
         acknowledge=bool(message.acknowledge[k]),
+        min_points=int(message.min_points[k]) or 1,
         stop_category=message.stop_category[k],
     )
 
@@ -105,6 +107,7 @@ def fill_rules(message: Any, rules: Sequence[ProximityRule]) -> None:
     message.stop_category = uint8s(np.array([rule.stop_category for rule in rules]))
     message.when_stale = [rule.when_stale for rule in rules]
     message.acknowledge = [rule.acknowledge for rule in rules]
+    message.min_points = uint32s(np.array([rule.min_points for rule in rules]))
     for field in _NUMBERS:
         setattr(message, field, floats(np.array([getattr(rule, field) for rule in rules])))
     for field, counts in _COUNTS.items():

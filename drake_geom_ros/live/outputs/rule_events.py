@@ -214,7 +214,9 @@ class RuleEvents:
             moment.stamp_header(message)
             message.names_version = moment.names_version
             fill_events(message, events, scene.model.names.name_of_value)
-            fill_what_decided(message, events, scene.query, self._settings().stale_after)
+            fill_what_decided(
+                message, events, scene.rules.with_zones(scene.query), self._settings().stale_after
+            )
             message.oldest_pose_age = [moment.oldest.age] * len(events)
             message.oldest_frame = [moment.oldest.frame] * len(events)
             self._topics.events.publish(message)

@@ -10,9 +10,10 @@ from collections.abc import Callable
 from typing import Any
 
 from drake_geom_ros.geometry import QueryObject, SceneGraph, SceneGraphContext
+from drake_geom_ros.live.scene.bound_rules import BoundRules
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.scene_model import ModelTables, SceneModel, is_large
-from drake_geom_ros.live.scene.scene_rules import BoundRules, SceneRules
+from drake_geom_ros.live.scene.scene_rules import SceneRules
 
 Tell = Callable[[str, int, int], None]
 

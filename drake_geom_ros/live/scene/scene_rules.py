@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -18,12 +17,18 @@ from drake_geom_ros.geometry import (
     GeometryId,
     GeometryVersion,
     QueryObject,
-    Role,
     SceneGraphInspector,
     SignedDistanceResults,
     closing_speeds,
 )
 from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED, some_of
+from drake_geom_ros.live.scene.bound_rules import (
+    BoundRules,
+    hanging,
+    is_same_for_rules,
+    narrowed_to,
+)
+from drake_geom_ros.live.scene.counted_points import CountedPoints
 from drake_geom_ros.live.scene.measured_pairs import (
     extents,
     measured_pairs,
@@ -45,7 +50,9 @@ from drake_geom_ros.proximity_rules import (
     ScenePairs,
     UnseenBodies,
     WatchedPairs,
+    Zones,
     unseen_of_groups,
+    zones_in,
 )
 from drake_geom_ros.stopping import Stop
 
@@ -62,27 +69,6 @@ class Blind(NamedTuple):
     foreign: Collection[int] = ()  # posed with stamps of another clock
 
 
-class BoundRules(NamedTuple):
-    """The pairs of rules in one version of a scene: slow to make, and without side effects."""
-
-    version: GeometryVersion
-    frames_version: int  # -1: of a copy, which has no version among those of the live scene
-    rules: tuple[ProximityRule, ...]
-    pairs: ScenePairs
-    watched: WatchedPairs
-    hanging: dict[int, list[int]]
-    frames: NDArray[np.int64]  # (n,) by the values of their ids
-    narrowed: QueryObject
-
-    def is_about(self, version: GeometryVersion) -> bool:
-        """Return whether it is about this version of a scene."""
-        return self.version.IsSameAs(version, Role.kProximity)
-
-    def is_of(self, version: GeometryVersion, rules: tuple[ProximityRule, ...]) -> bool:
-        """Return whether it is about this version of a scene, and these rules."""
-        return self.is_about(version) and self.rules == rules
-
-
 class SceneRules:
     """The proximity rules, the pairs that they watch, and their states."""
 
@@ -96,7 +82,11 @@ class SceneRules:
         self._extents: dict[FrameId, float] | None = None
         self._balls: Balls | None = None  # around geometries that sensed maps are reported with
         self._pairs = _NO_PAIRS
+        self._bodies = _NO_PAIRS.reported  # pairs without zones
+        self._zones: Zones = {}
+        self._with_zones: QueryObject | None = None  # made when a rule about a zone is measured
         self._narrowed: QueryObject | None = None
+        self._counts = CountedPoints()
         self._prepared: BoundRules | None = None  # of a version of the scene that comes
         self._happened: list[Event] = []  # that nobody was told of yet
         self.revision = 0  # changes with each rule, state and number of pairs
@@ -140,7 +130,7 @@ class SceneRules:
         prepared = self._prepared_for((*self.rules, *new))
         self._monitor.add(new, prepared and prepared.watched)
         self._changed()
-        self._narrowed = prepared and prepared.narrowed
+        self._narrowed = prepared and prepared.own_narrowed
         return self._monitor.states()[-1]
 
     def take(self, rules: Sequence[ProximityRule]) -> list[str]:
@@ -157,7 +147,7 @@ class SceneRules:
         events, released = self._monitor.exchange(others, new, prepared and prepared.watched)
         self._happened += events
         self._changed()
-        self._narrowed = prepared and prepared.narrowed
+        self._narrowed = prepared and prepared.own_narrowed
         troubles = self._monitor.watched.trouble[len(self.rules) - len(new) :]
         return [*filter(None, troubles), *released]
 
@@ -206,7 +196,7 @@ class SceneRules:
         prepared = self._prepared_for(self.after([], [name]))
         self._happened += self._monitor.remove(name, watched=prepared and prepared.watched)
         self._changed()
-        self._narrowed = prepared and prepared.narrowed
+        self._narrowed = prepared and prepared.own_narrowed
 
     def _changed(self) -> None:
         self._narrowed, self.revision = None, self.revision + 1
@@ -215,7 +205,7 @@ class SceneRules:
         """Be about the scene of now, if sources, frames, geometries or filters changed."""
         inspector = query.inspector()
         version = inspector.geometry_version()
-        is_same = version.IsSameAs(self._version, Role.kProximity)
+        is_same = is_same_for_rules(version, self._version)
         if is_same and frames_version == self._frames_version:
             return
         prepared = self._prepared
@@ -225,15 +215,20 @@ class SceneRules:
         self._prepared = None
         have_same_names = frames_version == self._frames_version
         self._version, self._frames_version = version, frames_version
-        self._extents = self._balls = None
-        candidates = inspector.candidate_pairs()
-        if have_same_names and self._pairs.reported.matches(candidates):
+        self._extents = self._balls = self._with_zones = None
+        candidates, zones = inspector.candidate_pairs(), zones_in(inspector)
+        if have_same_names and self._has_pairs(candidates, zones):
             # Shapes changed, as those of sensed maps do many times a second: rules are about the
             # same pairs.
-            self._narrowed = None
+            self._narrowed, self._zones = None, zones
             self.measure_again()
             return
-        self._be(self._bound(query, frames_version, self.rules, candidates, have_same_names))
+        bound = self._bound(query, self.rules, candidates, zones, have_same_names)
+        self._be(bound._replace(frames_version=frames_version))
+
+    def _has_pairs(self, candidates: CandidatePairs, zones: Zones) -> bool:
+        """Return whether rules are about these pairs without zones, and these zones."""
+        return self._zones.keys() == zones.keys() and self._bodies.matches(candidates)
 
     def _be_prepared(self, prepared: BoundRules, frames_version: int) -> None:
         """Be about the version of the scene that rules were prepared for.
@@ -247,11 +242,12 @@ class SceneRules:
         self._prepared = None
         if prepared.pairs is self._pairs:
             self._version, self._frames_version = prepared.version, frames_version
-            self._extents = self._balls = None
+            self._zones, self._extents = prepared.zones, None
+            self._balls = self._with_zones = None
             self.measure_again()
         else:
             self._be(prepared._replace(frames_version=frames_version))
-        self._narrowed = prepared.narrowed
+        self._narrowed = prepared.own_narrowed
 
     def prepared(
         self, query: QueryObject, rules: tuple[ProximityRule, ...], *, same_names: bool
@@ -261,14 +257,17 @@ class SceneRules:
         With these ``rules``; with the ``same_names`` as the scene of now where only shapes and
         filters are others.
         """
-        candidates = query.inspector().candidate_pairs()
-        if same_names and rules == self.rules and self._pairs.reported.matches(candidates):
-            version = query.inspector().geometry_version()
+        inspector = query.inspector()
+        candidates, zones = inspector.candidate_pairs(), zones_in(inspector)
+        if same_names and rules == self.rules and self._has_pairs(candidates, zones):
+            version = inspector.geometry_version()
             known = self._pairs, self._monitor.watched, self._hanging, self._frames
-            bound = BoundRules(version, -1, rules, *known, query)
+            bound = BoundRules(version, -1, rules, *known, candidates, zones, query)
         else:
-            bound = self._bound(query, -1, rules, candidates, same_names)
-        return bound._replace(narrowed=_narrowed(query, bound.watched))
+            bound = self._bound(query, rules, candidates, zones, same_names)
+        if bound.watched.needed_zones.any():
+            query = query.with_proximity(zones)
+        return bound._replace(narrowed=narrowed_to(query, bound.watched, zones))
 
     def offer(self, prepared: BoundRules | None) -> None:
         """Have what was ``prepared`` for the scene as it is now, until the next ``bind``."""
@@ -277,21 +276,26 @@ class SceneRules:
     def _bound(
         self,
         query: QueryObject,
-        frames_version: int,
         rules: tuple[ProximityRule, ...],
-        candidates: CandidatePairs,
+        bodies: CandidatePairs,
+        zones: Zones,
         same_names: bool,
     ) -> BoundRules:
         """Return what rules are about, by names and frames of now where these are the same."""
         inspector = query.inspector()
-        version = inspector.geometry_version()
+        version, candidates = inspector.geometry_version(), bodies
+        if zones:
+            candidates = query.with_proximity(zones).inspector().candidate_pairs()
         if same_names and np.array_equal(candidates.ids, self._pairs.ids):
             pairs, on, frames = self._pairs, self._hanging, self._frames
             if not pairs.reported.matches(candidates):
                 pairs = ScenePairs(pairs.geometries, candidates)
         else:
             geometries = [GeometryId(value) for value in candidates.ids.tolist()]
-            names = [geometry_names(inspector, geometry) for geometry in geometries]
+            names = [
+                geometry_names(inspector, geometry)._replace(is_zone=geometry in zones)
+                for geometry in geometries
+            ]
             heartbeat = [(each.source, each.frame_name) == (TRACKED, HEARTBEAT) for each in names]
             vital = np.array(heartbeat, dtype=np.bool_)
             pairs = ScenePairs(NamedGeometries(names, vital), candidates)
@@ -299,13 +303,15 @@ class SceneRules:
             of_each = (inspector.GetFrameId(geometry).get_value() for geometry in geometries)
             frames = np.fromiter(of_each, np.int64, len(geometries))
         watched = self._monitor.watching(rules, pairs)
-        return BoundRules(version, frames_version, rules, pairs, watched, on, frames, query)
+        known = pairs, watched, on, frames, bodies, zones
+        return BoundRules(version, -1, rules, *known, query)
 
     def _be(self, bound: BoundRules) -> None:
         """Be about a version of the scene."""
         self._changed()
         self._version, self._frames_version = bound.version, bound.frames_version
-        self._extents = self._balls = None
+        self._bodies, self._zones = bound.bodies, bound.zones
+        self._extents = self._balls = self._with_zones = None
         self._pairs, self._hanging, self._frames = bound.pairs, bound.hanging, bound.frames
         self._carried = None
         self._happened += self._monitor.bind(bound.pairs, bound.watched)
@@ -331,8 +337,9 @@ class SceneRules:
         known. ``stops`` are the answers of now for stoppable rules.
         """
         farthest = self._monitor.farthest(self._fastest(query.inspector(), twists))
-        computed = 0
-        if seen is not None and seen[1] >= farthest:
+        computed, without_zones = 0, query
+        query = self.with_zones(query)
+        if seen is not None and seen[1] >= farthest and query is without_zones:
             results = seen[0]
         else:
             results = self._narrow(query).ComputeSignedDistancePairwiseClosestPoints(
@@ -341,6 +348,7 @@ class SceneRules:
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
         measured = with_half_spaces(measured_pairs(results, speeds), query)
+        measured = self._counts.counted(measured, query, self._monitor.watched, farthest)
         if shells:
             measured = with_shells(measured, query, shells, self._pairs, farthest)
         if sights:
@@ -351,6 +359,19 @@ class SceneRules:
             measured = measured._replace(unpredicted=lost)
         self._decide(now, unreliable, measured, farthest, stops)
         return computed
+
+    def with_zones(self, query: QueryObject) -> QueryObject:
+        """Return a query object of the bodies and zones that rules are about, posed as this one.
+
+        It is this one where no rule is about a zone. Otherwise it holds until the next call.
+        """
+        if not self._zones or not self._monitor.watched.needed_zones.any():
+            return query
+        if self._with_zones is None:
+            self._with_zones, self._narrowed = query.with_proximity(self._zones), None
+        else:
+            self._with_zones.pose_as(query)
+        return self._with_zones
 
     def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
         """Return which bodies no sensor of the maps of a rule can see, in words."""
@@ -445,7 +466,7 @@ class SceneRules:
 
     def change_accuracy(self) -> None:
         """Measure at another level: who measures for rules alone has one of its own."""
-        self._narrowed = None
+        self._narrowed = self._with_zones = None
         self.measure_again()
 
     def troubles(self, *, watches_motion: bool) -> list[str]:
@@ -486,7 +507,10 @@ class SceneRules:
         ids, needed = self._monitor.watched.ids, self._monitor.watched.needed
         rows = {row: limits[g] for g in limits for row in np.flatnonzero(ids == g.get_value())}
         finer: dict[float, list[str]] = {}
+        is_about_zones = self._monitor.watched.is_about_zones
         for number, each in enumerate(self.rules):
+            if is_about_zones(number):  # what is near the robot may be far inside a zone
+                continue
             limit = max((rows[row] for row in rows if needed(number)[row]), default=0.0)
             if each.enter < limit and rule in ('', each.name):
                 finer.setdefault(limit, []).append(each.name)
@@ -520,7 +544,7 @@ class SceneRules:
     def _narrow(self, query: QueryObject) -> QueryObject:
         """Return the query object of the pairs of rules, made anew after changes."""
         if self._narrowed is None:
-            self._narrowed = _narrowed(query, self._monitor.watched)
+            self._narrowed = narrowed_to(query, self._monitor.watched, self._zones)
         return self._narrowed
 
     def _rows(self, frames: Collection[int]) -> Flags:
@@ -549,12 +573,6 @@ class SceneRules:
         return sum(sorted(speeds)[-2:])
 
 
-def _narrowed(query: QueryObject, watched: WatchedPairs) -> QueryObject:
-    """Return a query object that considers the pairs that rules watch, and no other."""
-    pairs = watched.watched()
-    return query.narrowed(pairs.watched, pairs.kinds)
-
-
 def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
     """Return what a geometry is called."""
     frame = inspector.GetFrameId(geometry)
@@ -573,17 +591,3 @@ def _line(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[tuple[str,
         source, name = inspector.GetOwningSourceName(frame), inspector.GetName(frame)
         yield source, name, inspector.IsPartOfParent(frame)
         frame = inspector.GetParentFrame(frame)
-
-
-def hanging(
-    inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
-) -> dict[int, list[int]]:
-    """Return by frame the rows of the geometries on it, and on what hangs on it."""
-    world = inspector.world_frame_id()
-    rows_by_frame: dict[int, list[int]] = defaultdict(list)
-    for row, geometry in enumerate(geometries):
-        frame = inspector.GetFrameId(geometry)
-        while frame != world:
-            rows_by_frame[frame.get_value()].append(row)
-            frame = inspector.GetParentFrame(frame)
-    return dict(rows_by_frame)

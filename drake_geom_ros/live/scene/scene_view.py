@@ -23,10 +23,10 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.live.conversions.scene import Attachment
+from drake_geom_ros.live.scene.bound_rules import hanging
 from drake_geom_ros.live.scene.driven_robot import JointEntry
 from drake_geom_ros.live.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.live.scene.pose_ages import Oldest, UnknownAges
-from drake_geom_ros.live.scene.scene_rules import hanging
 from drake_geom_ros.live.scene.seen_shells import NOTHING_BESIDE, BesideBodies
 from drake_geom_ros.live.scene.waiting import Waiting, waiting
 

@@ -97,6 +97,8 @@ def with_shells(
         unknown = np.full(len(joined[0]) - len(speeds), np.nan)
         speeds = np.concatenate([speeds, unknown])
     ids, others, distances, bounds, p_WCas, p_WCbs = joined
+    beside = distances[len(measured.distance) :]  # of cells that nobody counted: any may be many
+    counted = {n: np.concatenate([each, beside]) for n, each in measured.counted.items()}
     return measured._replace(
         id_A=ids,
         id_B=others,
@@ -105,6 +107,7 @@ def with_shells(
         p_WCa=p_WCas,
         p_WCb=p_WCbs,
         closing_speed=speeds,
+        counted=counted,
     )
 
 

@@ -33,6 +33,7 @@ from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_model import is_many
+from drake_geom_ros.proximity_rules import check_zone
 from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
 
 
@@ -96,6 +97,7 @@ def _instance(live: LiveScene, message: Any) -> GeometryInstance:
     instance = GeometryInstance(pose_from_message(message.pose), shape, message.name)
     for role in message.roles:
         set_role(instance, role)
+    check_zone(shape, instance.illustration_properties())
     return instance
 
 
@@ -149,6 +151,7 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
         if isinstance(properties, ProximityProperties):
             scene.maps.refuse(source)
             is_new = properties.HasGroup(HYDROELASTIC) or _is_new(scene, geometry)
+        check_zone(scene.model.inspector.GetShape(geometry), properties)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.AssignRole(
@@ -168,6 +171,7 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
     with live.reading() as scene:
         source, geometry = scene.model.owned_geometry(request.geometry)
         scene.maps.refuse(source)
+        check_zone(shape, scene.model.inspector.GetIllustrationProperties(geometry))
         proximity = scene.model.inspector.GetProximityProperties(geometry)
         is_new = proximity is not None and (
             proximity.HasGroup(HYDROELASTIC) or _is_new(scene, geometry, shape)

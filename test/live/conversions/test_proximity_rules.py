@@ -51,6 +51,7 @@ def rules_about_distances(draw):
         when_stale=draw(st.sampled_from(['', 'enter', 'keep'])),
         scale=draw(st.just(()) | scales) if level == Level.SLOW else (),
         acknowledge=draw(st.booleans()),
+        min_points=draw(st.integers(1, 9)),
     )
 
 

@@ -122,6 +122,7 @@ def add_rule(live):
     rule = Plain(
         name='more', set_a=['s::a'], set_b=['rest'], level=3, enter=0.01, leave=0.02, hold=0.0,
         enter_after=0.0, min_time_to_contact=0.0, when_stale='', scale=[], acknowledge=False,
+        min_points=0,
         joint_names=[], decelerations=[], stopping_times=[], reaction_time=0.0, margin=0.0,
         max_speed=0.0, stop_category=0,
     )  # fmt: skip
