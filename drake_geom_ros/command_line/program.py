@@ -17,10 +17,10 @@ from drake_geom_ros.command_line.exit_codes import (
     BAD_INPUT,
     INTERRUPTED,
     UNFORESEEN,
+    print_unforeseen,
 )
 from drake_geom_ros.command_line.spread_options import spread
 from drake_geom_ros.command_line.standard_input import STANDARD_INPUT
-from drake_geom_ros.command_line.unforeseen import print_unforeseen
 from drake_geom_ros.program_parser import ProgramParser
 from drake_geom_ros.version import VERSION
 

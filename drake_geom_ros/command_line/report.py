@@ -13,12 +13,12 @@ from drake_geom_ros.command_line.exit_codes import (
     NO,
     NOT_PROVED,
     UNFORESEEN,
+    print_unforeseen,
 )
 from drake_geom_ros.command_line.option_values import count_or_zero, distance, finite, positive
 from drake_geom_ros.command_line.recording_input import add_topics_to
 from drake_geom_ros.command_line.report_making import THRESHOLDS, make_report
 from drake_geom_ros.command_line.scene_input import read_and_warn
-from drake_geom_ros.command_line.unforeseen import print_unforeseen
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.recordings.comparing import WAYS
 from drake_geom_ros.recordings.recording_files import runs_in

@@ -6,13 +6,15 @@ model that nothing holds waits for its first pose, unless a directive or its fil
 Sources of the meaning: ``model_directives.h`` of Drake, and pydrake's parser as observed.
 """
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
+from drake_geom_ros.math.quaternions import AngleAxis
 from drake_geom_ros.scene_files.description import (
     FilterDescription,
     GroupDescription,
@@ -27,16 +29,20 @@ from drake_geom_ros.scene_files.directive_names import (
     namespace_of,
     scoped,
 )
-from drake_geom_ros.scene_files.directive_poses import TAGS, pose_at
 from drake_geom_ros.scene_files.errors import Location
-from drake_geom_ros.scene_files.joint_values import values_of_drake
+from drake_geom_ros.scene_files.jointed_links import parts_of
+from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.model_files import read_model
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
 from drake_geom_ros.scene_files.welding import Weld, welded_scene
-from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, Document, read_yaml, text_of
+from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, Document, KeyPath, read_yaml, text_of
 
+_RPY = ('roll', 'pitch', 'yaw')
+# Keys of a rotation by its tag; those that a rotation has without a tag are these of !Rpy.
+_KEYS = {'!Identity': (), '!Rpy': ('deg',), '!AngleAxis': ('angle_deg', 'axis')}
+TAGS = tuple(_KEYS)
 _SUFFIX = '.dmd.yaml'
 _MOST_NESTED = 32
 _KEY = re.compile(rb'^directives[ \t]*:', re.MULTILINE)
@@ -254,3 +260,77 @@ class _Directive:
 
     def pose(self, *keys: str | int) -> Any:
         return pose_at(self.document, *self.path, *keys)
+
+
+def pose_at(document: Document, *path: str | int) -> RigidTransform:
+    """Return the pose at a key, the identity if it is missing.
+
+    Raises SceneFileError for a tag at another place than the rotation, and for a rotation with
+    other keys than its tag has.
+    """
+    plain = document.value
+    for step in path:
+        if isinstance(plain, dict) and step not in plain:
+            return RigidTransform()
+        plain = plain[step]
+    for tagged in (path, (*path, 'translation')):
+        if tagged in document.tags:
+            tag = document.tags[tagged]
+            raise document.at(*tagged).error(f'tag {tag}; the rotation alone may have one')
+    translation = plain.get('translation', (0.0, 0.0, 0.0))
+    return RigidTransform(_rotation(document, plain, (*path, 'rotation')), translation)
+
+
+def _rotation(document: Document, plain: dict[str, object], path: KeyPath) -> RotationMatrix:
+    """Return the rotation of a pose, the identity if it has none."""
+    values = plain.get('rotation')
+    if values is None:
+        return RotationMatrix()
+    assert isinstance(values, dict)
+    tag = document.tags.get(path, '')
+    for inner in ((*path, key) for key in values):
+        if inner in document.tags:
+            raise document.at(*inner).error(
+                f'tag {document.tags[inner]}; only fixed numbers are read'
+            )
+    if not tag or values.keys() != set(_KEYS[tag]):
+        raise document.at(*path).error(
+            'must be !Rpy {deg: [roll, pitch, yaw]}, !AngleAxis {angle_deg: ..., axis: [x, y, z]} '
+            'or !Identity {}'
+        )
+    if tag == '!Rpy':
+        return RollPitchYaw([math.radians(a) for a in values['deg']]).ToRotationMatrix()
+    if tag == '!AngleAxis':
+        length = math.hypot(*values['axis'])
+        if not length > 0.0:
+            raise document.at(*path, 'axis').error('the axis must not be zero')
+        axis = [component / length for component in values['axis']]
+        return RotationMatrix(theta_lambda=AngleAxis(math.radians(values['angle_deg']), axis))
+    return RotationMatrix()
+
+
+def values_of_drake(tree: LinkTree, joint: str, values: Sequence[float]) -> dict[str, float]:
+    """Return values [rad] or [m] by name of a joint, from its position vector in Drake.
+
+    A floating joint has ``qw qx qy qz x y z`` there, a ball joint roll, pitch and yaw. Raises
+    ValueError or RuntimeError, which name no line, for a joint that is missing, for another number
+    of values, and for a quaternion that is not unit.
+    """
+    matches = [each for each in tree.joints if each.name == joint]
+    if not matches:
+        shown = ', '.join(each.name for each in tree.joints) or 'none'
+        raise ValueError(f'{tree.name!r} has no joint {joint!r}; there are {shown}')
+    kind = matches[0].type
+    names = [part.name for part in parts_of(matches[0]) if part.type != 'fixed' and not part.mimic]
+    if kind == 'ball':
+        names = [f'{joint}/{angle}' for angle in _RPY]
+    count = 7 if kind == 'floating' else len(names)
+    if len(values) != count:
+        raise ValueError(f'{len(values)} values of the {kind} joint {joint!r}; it has {count}')
+    if kind != 'floating':
+        return dict(zip(names, map(float, values), strict=True))
+    w, x, y, z, *position = values
+    X = RigidTransform.FromArray([*position, x, y, z, w])
+    rpy = X.rotation().ToRollPitchYaw().vector().tolist()
+    turned = dict(zip((f'{joint}/{angle}' for angle in _RPY), rpy, strict=True))
+    return dict(zip((f'{joint}/{axis}' for axis in 'xyz'), position, strict=True)) | turned

@@ -10,7 +10,7 @@ import numpy as np
 from drake_geom_ros.geometry import FramePoseVector, Role, SceneGraph
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import WORLD, read_scene, register
-from drake_geom_ros.scene_files.joint_values import values_of_drake
+from drake_geom_ros.scene_files.directives import values_of_drake
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
 

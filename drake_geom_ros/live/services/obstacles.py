@@ -1,4 +1,4 @@
-"""Services about sensed maps: the live scene, a request, a response."""
+"""Services about sensed maps and their sensors: the live scene, a request, a response."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_placing import map_ages
 from drake_geom_ros.live.scene.map_sources import FILE
 from drake_geom_ros.live.services.saved_file import MAP_FILE, SavedFile
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import obstacle_source_of_text, obstacle_source_text
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 from drake_geom_ros.sensed_maps.map_files import MapFile
 
@@ -94,3 +96,26 @@ def _named(scene: HeldScene, name: str) -> str:
         f'map is {name[:80]!r}; maps that hold something: {", ".join(there) or "none"}; '
         f'that wait for their first message: {", ".join(waiting) or "none"}'
     )
+
+
+def add_obstacle_source(live: LiveScene, request: Any, response: Any) -> None:
+    """Listen to one more sensor."""
+    source = obstacle_source_of_text(request.name, request.settings, 'settings')
+    live.map_sources.add(source)
+
+
+def remove_obstacle_source(live: LiveScene, request: Any, response: Any) -> None:
+    """Listen to a sensor no more."""
+    response.cells = live.map_sources.remove(request.name)
+
+
+def list_obstacle_sources(live: LiveScene, request: Any, response: Any) -> None:
+    """Return the sensors that the node listens to."""
+    with live.reading() as scene:
+        listed = sorted(live.map_sources.listed(), key=lambda each: each.source.name)
+        ages = map_ages(scene)
+    response.names = [each.source.name for each in listed]
+    response.settings = [obstacle_source_text(each.source) for each in listed]
+    response.origins = [int(each.origin) for each in listed]
+    response.messages = [each.messages for each in listed]
+    response.ages = [ages[name] for name in response.names]

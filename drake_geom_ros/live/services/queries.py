@@ -28,6 +28,7 @@ from drake_geom_ros.live.conversions.results import (
     fill_point_distances,
     fill_signed_distances,
 )
+from drake_geom_ros.live.scene.clocks import UNKNOWN
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.point_blocks import distances_to
 from drake_geom_ros.live.scene.scene_filters import owned_by
@@ -250,3 +251,50 @@ def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
     }
     response.reasons = [reason + named.get(reason, '') for reason in view.filters.explain(a, b)]
     response.filtered = bool(response.reasons)
+
+
+def get_pose_ages(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the age of the pose of each frame, the oldest first."""
+    with live.reading() as scene:
+        names, inspector = scene.model.names, scene.model.inspector
+        frames = list(dict.fromkeys(map(names.frame, request.frames)))
+        if names.world in frames:
+            raise ArgumentError('frames holds the world frame, which has no pose')
+        frames = frames or list(names.labels)
+        ages = scene.poses.ages_by_name()
+        waiting = set(scene.query.waiting_frames())
+        rows = [
+            (
+                ages[name := names.frame_names[frame]],
+                frame not in waiting,
+                name,
+                frame.get_value(),
+                inspector.GetParentFrame(frame).get_value() * inspector.IsAttached(frame),
+            )
+            for frame in frames
+        ]
+    for age, placed, name, value, carrier in sorted(rows, key=lambda row: (-row[0], row[1:3])):
+        response.names.append(name)
+        response.ids.append(value)
+        response.ages.append(age if placed else math.inf)
+        response.waiting.append(not placed)
+        response.attached_to.append(carrier)
+
+
+def get_joint_positions(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the value, the speed and the age of each joint."""
+    with live.reading() as scene:
+        robots = scene.model.joints.robots
+        places = scene.model.joints.places(request.names)
+        if not request.names:
+            places = scene.model.joints.every_place()
+        age = live.clocks.ages()
+        for place in places:
+            robot = robots[place.robot]
+            value = robot.values[place.column]
+            heard = value is not None and value.since != UNKNOWN
+            response.names.append(robot.full_names[place.column])
+            response.positions.append(math.nan if value is None else value.position)
+            response.velocities.append(math.nan if value is None else value.speed)
+            response.ages.append(age(value.since) if value is not None and heard else math.inf)
+            response.waiting.append(value is None)

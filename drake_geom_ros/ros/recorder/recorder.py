@@ -15,9 +15,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
 
 from drake_geom_ros.ros.message_classes import message_class
-from drake_geom_ros.ros.recorder.definitions import Definitions, UnknownTypeError
+from drake_geom_ros.scene_files import share_folders
 
 LOOK_PERIOD = 0.2  # [s] between two looks for publishers
 _DEPTH = 1000  # messages that may wait while the disk is busy
@@ -159,3 +161,53 @@ def _fits(profile: QoSProfile, other: QoSProfile) -> bool:
         (profile.reliability == strict[0] != other.reliability)
         or (profile.durability == strict[1] != other.durability)
     )
+
+
+class UnknownTypeError(RuntimeError):
+    """The definition of a message type is not installed."""
+
+
+class Definitions:
+    """Reads definitions when a type is first asked for, with all types that it is made of."""
+
+    def __init__(self) -> None:
+        self.types: Typestore = get_typestore(Stores.EMPTY)
+
+    def add(self, kind: str) -> Typestore:
+        """Return a type store that has ``kind`` (``package/msg/Type``).
+
+        Raises UnknownTypeError where its package, or its file there, is missing.
+        """
+        waiting = [kind]
+        while waiting:
+            name = waiting.pop()
+            if name in self.types.fielddefs:
+                continue
+            for found, fields in get_types_from_msg(_text_of(name), name).items():
+                self.types.register({found: fields})
+                waiting += [each for each in _parts(fields[1]) if each not in self.types.fielddefs]
+        return self.types
+
+
+def _text_of(kind: str) -> str:
+    package, _, name = kind.split('/')
+    folders = share_folders()
+    for folder in folders:
+        path = folder / package / 'msg' / f'{name}.msg'
+        if path.is_file():
+            return path.read_text()
+    raise UnknownTypeError(
+        f'the type {kind} cannot be recorded: its definition is in none of '
+        f'{", ".join(map(str, folders))}'
+    )
+
+
+def _parts(fields: object) -> list[str]:
+    """Return the names of message types in the fields of a definition."""
+    names: list[str] = []
+    if isinstance(fields, (list, tuple)):
+        for each in fields:
+            names += _parts(each)
+    elif isinstance(fields, str) and fields.count('/') == 2:
+        names.append(fields)
+    return names

@@ -10,12 +10,9 @@ from std_srvs.srv import Trigger
 
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services import (
-    ages,
     files,
     filters,
-    joints,
     motions,
-    obstacle_sources,
     obstacles,
     proximity_rules,
     queries,
@@ -61,8 +58,8 @@ LOADING: tuple[tuple[str, Any, Handler], ...] = (
     ('change_shape', srv.ChangeShape, shapes.change_shape),
     ('load_scene', srv.LoadScene, files.load_scene),
     ('save_scene', srv.SaveScene, files.save_scene),
-    ('add_obstacle_source', srv.AddObstacleSource, obstacle_sources.add_obstacle_source),
-    ('remove_obstacle_source', srv.RemoveObstacleSource, obstacle_sources.remove_obstacle_source),
+    ('add_obstacle_source', srv.AddObstacleSource, obstacles.add_obstacle_source),
+    ('remove_obstacle_source', srv.RemoveObstacleSource, obstacles.remove_obstacle_source),
     ('clear_obstacles', srv.ClearObstacles, obstacles.clear_obstacles),
     ('load_obstacles', srv.LoadObstacles, obstacles.load_obstacles),
     ('save_obstacles', srv.SaveObstacles, obstacles.save_obstacles),
@@ -99,13 +96,13 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ),
     ('has_collisions', srv.HasCollisions, queries.has_collisions),
     ('get_pose', srv.GetPose, queries.get_pose),
-    ('get_pose_ages', srv.GetPoseAges, ages.get_pose_ages),
-    ('get_joint_positions', srv.GetJointPositions, joints.get_joint_positions),
+    ('get_pose_ages', srv.GetPoseAges, queries.get_pose_ages),
+    ('get_joint_positions', srv.GetJointPositions, queries.get_joint_positions),
     ('list_cameras', srv.ListCameras, cameras.list_cameras),
     (
         'list_obstacle_sources',
         srv.ListObstacleSources,
-        obstacle_sources.list_obstacle_sources,
+        obstacles.list_obstacle_sources,
     ),
     (
         'list_proximity_rules',

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import functools
 import http.client
 import socket
 import threading
 from collections.abc import Awaitable, Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.viewing.page.cameras import BROWSER
-from drake_geom_ros.viewing.page.document import PICTURE, SOCKET, document
 from drake_geom_ros.viewing.page.request_guard import Process, RequestGuard, is_local
 
+_FOLDER = Path(__file__).parent / 'static'
+_STYLES = ('page.css',)
+_SCRIPTS = ('elements.js', 'link.js', 'pairs.js', 'panels.js', 'timeline.js', 'page.js')
+PICTURE = '/3d/'  # the path of viser's page, followed by the key of the browser that shows it
+SOCKET = '/link'  # the path of the web socket of the document
 Handler = Callable[[Any], Awaitable[None]]
 
 LOCALHOST = '127.0.0.1'
@@ -192,3 +198,14 @@ def _refuses_strangers(host: str, port: int) -> bool:
         return False
     finally:
         connection.close()
+
+
+@functools.cache
+def document() -> bytes:
+    """Return the document, one file, so that no address in it depends on a token."""
+    template = (_FOLDER / 'page.html').read_text(encoding='utf-8')
+    style, script = (
+        '\n'.join((_FOLDER / name).read_text(encoding='utf-8') for name in names)
+        for names in (_STYLES, _SCRIPTS)
+    )
+    return template.replace('/* style */', style).replace('/* script */', script).encode()

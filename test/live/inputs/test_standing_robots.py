@@ -25,7 +25,7 @@ from live.services.test_states import NO_POSES, answer
 
 from drake_geom_ros.live.scene.changes.addition import exchange
 from drake_geom_ros.live.scene.changes.removal import in_order_of_removal
-from drake_geom_ros.live.services.joints import get_joint_positions
+from drake_geom_ros.live.services.queries import get_joint_positions
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, to_yaml
 

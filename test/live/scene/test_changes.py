@@ -8,7 +8,7 @@ from live.live_scenes import Clock, live_scene
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.changes.attachment import detachment
-from drake_geom_ros.live.services import ages, files, scene, shapes
+from drake_geom_ros.live.services import files, queries, scene, shapes
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
@@ -80,7 +80,7 @@ def x_of(live, name):
 
 def pose_ages(live, *names):
     empty = {'names': [], 'ids': [], 'ages': [], 'waiting': [], 'attached_to': []}
-    answer = call(live, ages.get_pose_ages, Plain(**empty), frames=list(names))
+    answer = call(live, queries.get_pose_ages, Plain(**empty), frames=list(names))
     assert answer.success, answer.message
     return dict(zip(answer.names, answer.ages, strict=True)), answer
 

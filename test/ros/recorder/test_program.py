@@ -173,7 +173,7 @@ def test_what_cannot_be_is_refused(words, reason, tmp_path, capsys):
 
 
 def test_a_type_that_is_not_installed_is_not_recorded_and_others_are(tmp_path):
-    from drake_geom_ros.ros.recorder.definitions import Definitions, UnknownTypeError
+    from drake_geom_ros.ros.recorder.recorder import Definitions, UnknownTypeError
 
     definitions = Definitions()
     with pytest.raises(UnknownTypeError, match='nowhere_msgs/msg/Thing'):

@@ -6,9 +6,9 @@ import pytest
 from live.live_scenes import Topic, live_scene
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.scene.camera_limits import LONGEST_TOPIC, CameraLimits
 from drake_geom_ros.live.scene.changes.addition import addition, exchange
 from drake_geom_ros.live.scene.prepared_scene import prepared
+from drake_geom_ros.live.scene.scene_cameras import LONGEST_TOPIC, CameraLimits
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 
