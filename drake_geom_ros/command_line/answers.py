@@ -15,7 +15,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.geometry import METHODS, GeometryId
 
 Table = Mapping[str, Any]
@@ -32,7 +32,7 @@ class QueryOptions:
     count: int = 1  # pairs of ``nearest``
 
 
-def distances(scene: PosedScene, options: QueryOptions) -> Table:
+def distances(scene: OpenedScene, options: QueryOptions) -> Table:
     """Return the signed distances up to the maximum distance; witness points in the world."""
     pairs = scene.query.ComputeSignedDistancePairwiseClosestPoints(
         options.max_distance, accuracy=options.accuracy
@@ -40,7 +40,7 @@ def distances(scene: PosedScene, options: QueryOptions) -> Table:
     return _distances_of(scene, pairs)
 
 
-def nearest(scene: PosedScene, options: QueryOptions) -> Table:
+def nearest(scene: OpenedScene, options: QueryOptions) -> Table:
     """Return the ``count`` pairs with the smallest lower bounds, half spaces included.
 
     These are those of a batch of one state: two half spaces that cross are minus infinity apart.
@@ -55,7 +55,7 @@ def nearest(scene: PosedScene, options: QueryOptions) -> Table:
     return _distances_of(scene, pairs)
 
 
-def _distances_of(scene: PosedScene, pairs: Any) -> Table:
+def _distances_of(scene: OpenedScene, pairs: Any) -> Table:
     """Return the columns of signed distances, of a query or of a batch."""
     return _pairs(scene, pairs.id_A, pairs.id_B) | {
         'distance': pairs.distance,
@@ -68,7 +68,7 @@ def _distances_of(scene: PosedScene, pairs: Any) -> Table:
     }
 
 
-def penetrations(scene: PosedScene, options: QueryOptions) -> Table:
+def penetrations(scene: OpenedScene, options: QueryOptions) -> Table:
     """Return the overlapping pairs."""
     overlaps = scene.query.ComputePointPairPenetration(accuracy=options.accuracy)
     return _pairs(scene, overlaps.id_A, overlaps.id_B) | {
@@ -81,7 +81,7 @@ def penetrations(scene: PosedScene, options: QueryOptions) -> Table:
     }
 
 
-def point_distances(scene: PosedScene, options: QueryOptions) -> Table:
+def point_distances(scene: OpenedScene, options: QueryOptions) -> Table:
     """Return the signed distances of the points up to the maximum distance."""
     points = scene.query.ComputeSignedDistanceToPoint(
         options.points, options.max_distance, accuracy=options.accuracy
@@ -98,18 +98,18 @@ def point_distances(scene: PosedScene, options: QueryOptions) -> Table:
     }
 
 
-def candidates(scene: PosedScene, options: QueryOptions) -> Table:
+def candidates(scene: OpenedScene, options: QueryOptions) -> Table:
     """Return the candidate pairs, which bounding volumes do not separate."""
     ids = scene.query.collision_candidates()
     return _pairs(scene, ids[:, 0], ids[:, 1])
 
 
-def collisions(scene: PosedScene, options: QueryOptions) -> Table:
+def collisions(scene: OpenedScene, options: QueryOptions) -> Table:
     """Return one row with the flag whether any pair overlaps."""
     return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=options.accuracy)])}
 
 
-KINDS: dict[str, Callable[[PosedScene, QueryOptions], Table]] = {
+KINDS: dict[str, Callable[[OpenedScene, QueryOptions], Table]] = {
     'distance': distances,
     'least': nearest,
     'nearest': nearest,
@@ -122,7 +122,7 @@ KINDS: dict[str, Callable[[PosedScene, QueryOptions], Table]] = {
 AS_IN_BATCHES = {'within': 'distance', 'collision': 'collisions'}
 
 
-def half_spaces_beside(scene: PosedScene) -> list[str]:
+def half_spaces_beside(scene: OpenedScene) -> list[str]:
     """Return remarks about overlapping half spaces, which no list of pairs includes."""
     return [
         f'{" and ".join(_names(scene, ids))} are half spaces that overlap, and in no list of '
@@ -135,11 +135,11 @@ OF_PAIRS = ('distance', 'penetration')  # lists of pairs, in which half spaces a
 LIMITED = ('distance', 'least', 'nearest', 'points')  # kinds with a maximum distance
 
 
-def _names(scene: PosedScene, ids: NDArray[Any]) -> list[str]:
+def _names(scene: OpenedScene, ids: NDArray[Any]) -> list[str]:
     return [scene.names[GeometryId(value)] for value in ids.tolist()]
 
 
-def _pairs(scene: PosedScene, ids_A: NDArray[Any], ids_B: NDArray[Any]) -> dict[str, Any]:
+def _pairs(scene: OpenedScene, ids_A: NDArray[Any], ids_B: NDArray[Any]) -> dict[str, Any]:
     return {'geometry_a': _names(scene, ids_A), 'geometry_b': _names(scene, ids_B)}
 
 

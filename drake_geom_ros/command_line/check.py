@@ -14,7 +14,7 @@ from drake_geom_ros.command_line.configurations import add_joints_to, pose_joint
 from drake_geom_ros.command_line.contact_report import contact_lines, half_space_lines
 from drake_geom_ros.command_line.exit_codes import DONE, NO
 from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_lines
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options, check_readable
 from drake_geom_ros.cross_check.asker import missing
 from drake_geom_ros.cross_check.question import (
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     """Check, list, and return the exit code."""
     check_readable(options.scene, options.srdf)
     try:
-        scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
+        scene = OpenedScene(options.scene, options.srdf, options.package_root, options.solid)
     except SceneFileError as error:
         print(f'drake_geom_ros: {error}', file=sys.stderr)
         return NO
@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
     return DONE if agreed else NO
 
 
-def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
+def _report(scene: OpenedScene, file: str, all_pairs: bool) -> Iterator[str]:
     description, inspector = scene.description, scene.inspector
     yield (
         f'{file}: sources {len(description.sources)}, frames {len(description.frames)}, '
@@ -134,11 +134,11 @@ def _mesh(shape: Shape, solid: bool) -> str:
     return f'mesh {name} (as its hull, {count} vertices)'
 
 
-def _has_role(scene: PosedScene, geometry: GeometryId, role: Role) -> bool:
+def _has_role(scene: OpenedScene, geometry: GeometryId, role: Role) -> bool:
     return scene.inspector.GetProperties(geometry, role) is not None
 
 
-def _pairs(scene: PosedScene, all_pairs: bool) -> Iterator[str]:
+def _pairs(scene: OpenedScene, all_pairs: bool) -> Iterator[str]:
     """Yield a line for each filtered pair with the reasons, and one with counts."""
     manager = scene.scene_graph.collision_filter_manager()
     geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
@@ -184,7 +184,7 @@ def _members(members: tuple[Member, ...]) -> str:
     )
 
 
-def cross_checked(scene: PosedScene) -> tuple[list[str], bool]:
+def cross_checked(scene: OpenedScene) -> tuple[list[str], bool]:
     """Return the lines of the report, and whether there was no disagreement.
 
     Raises GeometryError if python-fcl, or a package that judges it, is not installed.

@@ -16,7 +16,7 @@ from drake_geom_ros.batch.path_profile import (
     profile_of_spline,
 )
 from drake_geom_ros.batch.state_files import read_states
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.scene_input import load_chosen
 from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
@@ -122,7 +122,7 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
             option = name.replace('_', '-')
             raise OSError(f'--{option} goes with --path or --trajectory, not with --motion')
     posed, count = (
-        PosedScene(options.scene, options.srdf, options.package_root, options.solid),
+        OpenedScene(options.scene, options.srdf, options.package_root, options.solid),
         options.pieces,
     )
     motion = load_motion(options.motion, posed.description)

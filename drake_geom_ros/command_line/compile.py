@@ -4,7 +4,7 @@ import argparse
 import time
 from typing import Any
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import compile_all_kernels, kernel_cache
 
@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     if options.part != 'all' and not options.scene:
         raise OSError(f'compile --part {options.part} needs a scene: compile SCENE --part ...')
     if options.scene:
-        scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
+        scene = OpenedScene(options.scene, options.srdf, options.package_root, options.solid)
         kernels = scene.compile_kernels(show_progress, options.part)
     else:
         kernels = compile_all_kernels(show_progress)

@@ -12,7 +12,7 @@ import numpy as np
 
 from drake_geom_ros.batch import Joints
 from drake_geom_ros.batch.state_files import read_states
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FramePoseVector
 from drake_geom_ros.scene_files import SceneFileError
@@ -40,7 +40,7 @@ def add_states_to(parser: argparse.ArgumentParser | argparse._MutuallyExclusiveG
     )
 
 
-def pose_joints(scene: PosedScene, assignments: Sequence[str]) -> dict[str, float]:
+def pose_joints(scene: OpenedScene, assignments: Sequence[str]) -> dict[str, float]:
     """Pose a scene's robots by texts ``NAME=VALUE``, and return the values by full names.
 
     Values beyond limits are applied, with a warning on standard error. Raises SceneFileError for
@@ -80,7 +80,7 @@ class StatePoses(NamedTuple):
     values: list[dict[str, float]]
 
 
-def poses_of_states(scene: PosedScene, file: str) -> StatePoses:
+def poses_of_states(scene: OpenedScene, file: str) -> StatePoses:
     """Return the states of a file; raises SceneFileError for states that do not fit the scene."""
     values: list[dict[str, float]] = []
     states = read_states(file)

@@ -3,14 +3,14 @@
 from collections.abc import Iterator
 from itertools import combinations
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.geometry import GeometryId, HalfSpace, HydroelasticType, Role, VolumeMesh
 
 _GROUP = 'hydroelastic'
 _WORDS = {HydroelasticType.kRigid: 'rigid', HydroelasticType.kCompliant: 'compliant'}
 
 
-def contact_lines(scene: PosedScene) -> Iterator[str]:
+def contact_lines(scene: OpenedScene) -> Iterator[str]:
     """Yield a line for each geometry with hydroelastic properties; nothing without any."""
     title = 'contact surfaces'
     geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
@@ -28,7 +28,7 @@ def contact_lines(scene: PosedScene) -> Iterator[str]:
             yield f'  {scene.names[geometry]}: {", ".join([*parts, _mesh(scene, geometry)])}'
 
 
-def half_space_lines(scene: PosedScene) -> Iterator[str]:
+def half_space_lines(scene: OpenedScene) -> Iterator[str]:
     """Yield a line for each pair of half spaces that is not filtered; nothing without any."""
     geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
     planes = [g for g in geometries if isinstance(scene.inspector.GetShape(g), HalfSpace)]
@@ -43,7 +43,7 @@ def half_space_lines(scene: PosedScene) -> Iterator[str]:
         )
 
 
-def _mesh(scene: PosedScene, geometry: GeometryId) -> str:
+def _mesh(scene: OpenedScene, geometry: GeometryId) -> str:
     """Return a text about the hydroelastic mesh of a geometry."""
     if isinstance(scene.inspector.GetShape(geometry), HalfSpace):
         return 'half space'

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
 from drake_geom_ros.geometry.shapes.mesh_facts import MeshFacts, mesh_facts
 from drake_geom_ros.math.tolerances import LARGEST_PART, SMALLEST_PART
 
 
-def mesh_lines(scene: PosedScene) -> Iterator[str]:
+def mesh_lines(scene: OpenedScene) -> Iterator[str]:
     """Yield a line for each geometry that is a mesh, and warnings below; nothing without any."""
     title = 'meshes'
     for geometry in scene.inspector.GetAllGeometryIds():
@@ -24,7 +24,7 @@ def mesh_lines(scene: PosedScene) -> Iterator[str]:
                 yield f'warning: {scene.names[geometry]}: {warning}'
 
 
-def is_solid(scene: PosedScene, geometry: GeometryId) -> bool:
+def is_solid(scene: OpenedScene, geometry: GeometryId) -> bool:
     """Return whether queries treat a mesh as a solid."""
     properties = scene.inspector.GetProperties(geometry, Role.kProximity)
     return properties is not None and bool(properties.GetPropertyOrDefault('mesh', 'solid', False))

@@ -23,9 +23,9 @@ from drake_geom_ros.command_line.answers import (
     half_spaces_beside,
 )
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.option_values import ACCURACY_HELP, accuracy, count, distance
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
-from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.command_line.standard_input import bytes_of, is_json
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
     points = points_of_file(options.points) if options.points else None
     query_options = QueryOptions(options.max_distance, options.accuracy, points, options.count)
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
-    scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
+    scene = OpenedScene(options.scene, options.srdf, options.package_root, options.solid)
     pose_joints(scene, options.joints)
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
     check_outputs({'--out': options.out}, inputs)

@@ -14,9 +14,9 @@ from drake_geom_ros.command_line.configurations import (
     pose_joints,
     poses_of_states,
 )
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.option_values import count, distance, finite, positive
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
-from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.progress_bar import progress_bar
 from drake_geom_ros.common.whole_files import check_outputs
@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
     if options.time is not None and not options.poses:
         raise SceneFileError('--time goes with --poses', options.scene)
     pictures.check_libraries()
-    scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
+    scene = OpenedScene(options.scene, options.srdf, options.package_root, options.solid)
     pose_joints(scene, options.joints)
     moments: Moments = [PoseSet()]
     if options.poses:
@@ -149,7 +149,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _posed(scene: PosedScene, moments: Moments, time: float | None) -> Iterator[int | None]:
+def _posed(scene: OpenedScene, moments: Moments, time: float | None) -> Iterator[int | None]:
     """Pose the scene for each moment, or only for the one at ``time``, and yield its number."""
     if time is not None:
         timed = [m for m in moments if isinstance(m, PoseSet) and m.time is not None]
@@ -173,7 +173,7 @@ def _posed(scene: PosedScene, moments: Moments, time: float | None) -> Iterator[
 
 
 def _write(
-    scene: PosedScene,
+    scene: OpenedScene,
     frame: FrameId,
     description: CameraDescription,
     path: Path,
@@ -189,7 +189,7 @@ def _write(
 
 
 def _write_view(
-    scene: PosedScene,
+    scene: OpenedScene,
     frame: FrameId,
     description: CameraDescription,
     path: Path,
@@ -215,7 +215,7 @@ def _write_view(
     shown.save(file)
 
 
-def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:
+def _cameras(scene: OpenedScene, options: argparse.Namespace) -> Cameras:
     """Return the cameras that the options select, and their frames."""
     if options.from_W is not None:
         return [(scene.inspector.world_frame_id(), _placed(scene, options))]
@@ -231,7 +231,7 @@ def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:
     return [scene.cameras[options.camera]]
 
 
-def _placed(scene: PosedScene, options: argparse.Namespace) -> CameraDescription:
+def _placed(scene: OpenedScene, options: argparse.Namespace) -> CameraDescription:
     """Return the camera that the options place in the world."""
     shows = options.shows
     if shows is None:

@@ -14,6 +14,7 @@ from drake_geom_ros.command_line.configurations import (
     pose_joints,
     poses_of_states,
 )
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.option_values import (
     ACCURACY_HELP,
     accuracy,
@@ -22,7 +23,6 @@ from drake_geom_ros.command_line.option_values import (
     positive,
 )
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
-from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.recording_input import add_topics_to, topics_of
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import (
@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
 def open_page(options: argparse.Namespace) -> Page:
     """Return the page of a scene file, or of a recording of one."""
     file = options.of_recording or options.scene
-    posed = PosedScene(file, options.srdf, options.package_root, options.solid)
+    posed = OpenedScene(file, options.srdf, options.package_root, options.solid)
     values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)
@@ -151,7 +151,7 @@ def open_page(options: argparse.Namespace) -> Page:
     )
 
 
-def plotted_pairs(posed: PosedScene, between: list[str]) -> PlottedPairs:
+def plotted_pairs(posed: OpenedScene, between: list[str]) -> PlottedPairs:
     """Return the pairs of sets such as ``left:right``; raises ArgumentError if there are none."""
     context = posed.context.copy()
     query = QueryObject(context)
@@ -170,7 +170,7 @@ def plotted_pairs(posed: PosedScene, between: list[str]) -> PlottedPairs:
 
 
 def _timeline_of_recording(
-    options: argparse.Namespace, posed: PosedScene, scene: LocalScene
+    options: argparse.Namespace, posed: OpenedScene, scene: LocalScene
 ) -> Timeline:
     """Return the timeline of a recording."""
     if options.motion or options.poses or options.states or options.joints:
@@ -191,7 +191,7 @@ def _timeline_of_recording(
     return Timeline.of_moments([each.time for each in recorded], vectors, names_all=True)
 
 
-def _timeline(posed: PosedScene, moments: list[PoseSet], file: str) -> Timeline:
+def _timeline(posed: OpenedScene, moments: list[PoseSet], file: str) -> Timeline:
     """Return the timeline of a pose file; moments without a time last one second each."""
     times = [k if each.time is None else each.time for k, each in enumerate(moments)]
     latest: dict[Any, Any] = {}

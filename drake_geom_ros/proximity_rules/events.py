@@ -50,7 +50,7 @@ class Event(NamedTuple):
     limit_time: float = 0.0  # [s] ``min_time_to_contact`` of the rule
 
 
-class Seen(NamedTuple):
+class LastMeasured(NamedTuple):
     """Measurement of the last cycle that had one, and the nearest pair of each group in it."""
 
     measured: Measured
@@ -75,7 +75,7 @@ def events_of(
     entered: Entered,
     watched: WatchedPairs,
     poses: Poses,
-    seen: Seen | None,
+    seen: LastMeasured | None,
     stops: Mapping[str, Stop],
 ) -> list[Event]:
     """Return the events of the rules that ``changed`` (r,), numbered from ``first``."""
@@ -112,7 +112,7 @@ def _pair_of(stop: Stop | None) -> _Pair:
     return stop.id_A, stop.id_B, stop.distance, stop.error_bound, *points, math.nan
 
 
-def _pairs(seen: Seen | None, groups: Ids, soonest: Flags) -> Iterator[_Pair]:
+def _pairs(seen: LastMeasured | None, groups: Ids, soonest: Flags) -> Iterator[_Pair]:
     """Return the nearest pair of each group; the first to touch where ``soonest`` (g,)."""
     if seen is None:
         return iter([_NO_PAIR] * len(groups))

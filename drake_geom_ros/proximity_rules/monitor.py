@@ -19,7 +19,7 @@ from drake_geom_ros.proximity_rules.decisions import (
     step,
     take_nearest,
 )
-from drake_geom_ros.proximity_rules.events import Event, Seen, events_of, events_of_gone
+from drake_geom_ros.proximity_rules.events import Event, LastMeasured, events_of, events_of_gone
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, RuleError, Why
 from drake_geom_ros.proximity_rules.speed_scale import SpeedScale
@@ -285,7 +285,7 @@ class RuleMonitor:
         self._reasons = Reasons.of_nothing(rules)
         self.stops: Mapping[str, Stop] = {}  # the last answers, by the name of their rule
         self._changed = np.empty(len(rules), dtype=np.int64)
-        self._seen: Seen | None = None
+        self._seen: LastMeasured | None = None
         self.is_measured = False  # whether distances of these pairs were measured
 
     # Cycles.
@@ -296,7 +296,7 @@ class RuleMonitor:
         return self._watched
 
     @property
-    def measurement(self) -> Seen | None:
+    def measurement(self) -> LastMeasured | None:
         """The last measurement of the present pairs; None before the first one."""
         return self._seen
 
@@ -346,7 +346,7 @@ class RuleMonitor:
             measured, nearest = with_unseen_bodies(watched, measured, nearest)
             take_nearest(nearest, limits, reasons)
             reasons.unpredicted[:] = self._unpredicted(measured)
-            self._seen, self.is_measured = Seen(measured, nearest), True
+            self._seen, self.is_measured = LastMeasured(measured, nearest), True
         self._take_stops(stops or {})
         reasons.unposed[:] = 0
         for why, flags in poses.without():

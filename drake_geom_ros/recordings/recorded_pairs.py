@@ -12,7 +12,7 @@ import numpy as np
 from drake_geom_ros.geometry import GeometryId, QueryObject
 from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.recordings.message_types import DISTANCES
-from drake_geom_ros.recordings.recorded_witnesses import Judged, Witnesses, fault_of
+from drake_geom_ros.recordings.recorded_witnesses import JudgedWitnesses, Witnesses, fault_of
 from drake_geom_ros.replay import RecordedEvent
 
 _BOUND_ONLY = 4  # METHOD_BOUND_ONLY of the messages
@@ -157,7 +157,7 @@ def _fault_of_witnesses(
     by_name = {name: value for value, name in names.items()}
     judged_ones = [(place, k) for place, k in others if recorded.has_points[place]]
     places, here = [place for place, _ in judged_ones], [k for _, k in judged_ones]
-    judged = Judged(
+    judged = JudgedWitnesses(
         places=places,
         ids=np.array([[by_name[n] for n in recorded.names[k]] for k in places]).reshape(-1, 2),
         distance=recorded.distance[places],
@@ -188,7 +188,7 @@ def of_event_points(
     if np.array_equal(event.points, points):
         return Compared(outcome)
     witnesses = Witnesses(event.points[:1], event.points[1:], None, are_local=False)
-    judged = Judged(
+    judged = JudgedWitnesses(
         places=[0],
         ids=np.array([[each.get_value() for each in pair]]),
         distance=np.array([event.distance]),

@@ -34,7 +34,7 @@ class Witnesses(NamedTuple):
         )
 
 
-class Judged(NamedTuple):
+class JudgedWitnesses(NamedTuple):
     """Pairs (m) whose witnesses are to be judged."""
 
     places: Sequence[int]  # rows in the witnesses
@@ -43,7 +43,9 @@ class Judged(NamedTuple):
     error_bound: Floats  # (m,) [m] sum of those in the message and of the recomputed distance
 
 
-def fault_of(query: QueryObject, witnesses: Witnesses, judged: Judged) -> tuple[int, str] | None:
+def fault_of(
+    query: QueryObject, witnesses: Witnesses, judged: JudgedWitnesses
+) -> tuple[int, str] | None:
     """Return the first judged pair with invalid witnesses, and the reason; None: all are valid.
 
     Valid points lie on the surfaces of their geometries, the normal has unit length, and the

@@ -46,7 +46,7 @@ from drake_geom_ros.ros.outputs import cameras, rule_points
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
-    SceneState,
+    SceneStatus,
     add_counts,
     add_trouble,
 )
@@ -406,7 +406,7 @@ class ConfiguredNode:
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
             troubles = [*scene.troubles(), *self._stream.troubles(scene)]
-            state = SceneState(
+            state = SceneStatus(
                 scene.model.version,
                 scene.poses.ages_by_name(),
                 scene.waiting(),

@@ -32,7 +32,12 @@ from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import stand_fed
-from drake_geom_ros.live.scene.map_sources import ListedSource, MapSources, NamedSource, Origin
+from drake_geom_ros.live.scene.map_sources import (
+    ListedSource,
+    MapSources,
+    NamedSource,
+    SourceOrigin,
+)
 from drake_geom_ros.live.scene.pose_history import PoseHistory
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import CallbackGroups
@@ -124,7 +129,7 @@ class ObstacleListening:
             cells = change.then(scene, made)
             if scene.poses.history is None:
                 scene.poses.history = PoseHistory()
-            self._sources = {**self._sources, name: NamedSource(source, Origin.SERVICE)}
+            self._sources = {**self._sources, name: NamedSource(source, SourceOrigin.SERVICE)}
             self.inputs = {**self.inputs, name: self._input_of(source)}
             self._follow(scene)
             return cells
@@ -237,7 +242,7 @@ class ObstacleListening:
             self._maps[name] = self._listen(maps[name])
 
     def _is_added(self, source: ObstacleSource) -> bool:
-        return self._sources[source.name].origin == Origin.SERVICE
+        return self._sources[source.name].origin == SourceOrigin.SERVICE
 
     def _values(self) -> dict[str, str]:
         values = {}

@@ -29,7 +29,7 @@ def namespace_of(name: str) -> str:
     return name.rpartition(SCOPE)[0]
 
 
-class FrameNames:
+class ScopedFrames:
     """The frames of models that were added, and of the directives themselves, by scoped name."""
 
     def __init__(self) -> None:

@@ -24,8 +24,8 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
 )
 from drake_geom_ros.scene_files.directive_names import (
-    FrameNames,
     LinkFrame,
+    ScopedFrames,
     namespace_of,
     scoped,
 )
@@ -91,7 +91,7 @@ class _Assembly:
         self._options = options
         self._models: dict[str, _Model] = {}
         self._instances: dict[str, Location] = {}
-        self._names = FrameNames()
+        self._names = ScopedFrames()
         self._welds: list[Weld] = []
         self._groups: dict[str, tuple[GroupDescription, list[tuple[str, Location]]]] = {}
         self._inside: list[Path] = []

@@ -20,7 +20,7 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.sdf_elements import text_of
 from drake_geom_ros.scene_files.sdf_models import Item
-from drake_geom_ros.scene_files.urdf_filters import FilterGroup, group_name, members_of
+from drake_geom_ros.scene_files.urdf_filters import RobotFilterGroup, group_name, members_of
 from drake_geom_ros.scene_files.xml_tree import attribute, local_name
 
 _ALL_BITS = 0xFFFF
@@ -34,7 +34,7 @@ def read_groups(
     Each item has the prefix of its scope, such as ``nested::``. Raises SceneFileError for a member
     that is no link, two groups of one name, and a member group that is missing.
     """
-    groups: dict[str, FilterGroup] = {}
+    groups: dict[str, RobotFilterGroup] = {}
     places: dict[str, tuple[Location, str]] = {}
     warnings: list[str] = []
     for prefix, item in items:
@@ -45,7 +45,7 @@ def read_groups(
         if name in groups:
             raise where.error(f'group {name!r} is there twice')
         places[name] = where, item.file.name
-        groups[name] = group = FilterGroup(item.element, [], [], [])
+        groups[name] = group = RobotFilterGroup(item.element, [], [], [])
         for child in item.element:
             kind, inner = local_name(child), prefix + text_of(child)
             if kind == 'member':

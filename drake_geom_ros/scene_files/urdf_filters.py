@@ -63,7 +63,7 @@ def _undriven(element: Any, links: Collection[str], file: str) -> Joint:
 
 
 @dataclass
-class FilterGroup:
+class RobotFilterGroup:
     """A group as read from its element; ``groups`` are those whose members it includes."""
 
     element: Any
@@ -95,7 +95,7 @@ def read_groups(
     groups of one name; ignoring a group that does not exist is allowed.
     """
     links = {link.get('name') for link in root.findall('link')} - {WORLD}
-    groups: dict[str, FilterGroup] = {}
+    groups: dict[str, RobotFilterGroup] = {}
     warnings: list[str] = []
     for element in root:
         if local_name(element) != 'collision_filter_group':
@@ -126,8 +126,8 @@ def read_groups(
 
 def _read_group(
     element: Any, links: Collection[str], file: str, warnings: list[str]
-) -> FilterGroup:
-    group = FilterGroup(element, [], [], [])
+) -> RobotFilterGroup:
+    group = RobotFilterGroup(element, [], [], [])
     for child in element:
         kind, place = local_name(child), place_of(child, file)
         if kind == 'member':
@@ -145,7 +145,7 @@ def _read_group(
     return group
 
 
-def members_of(name: str, groups: Mapping[str, FilterGroup], file: str) -> list[str]:
+def members_of(name: str, groups: Mapping[str, RobotFilterGroup], file: str) -> list[str]:
     """Return the links of a group and of its member groups, each once."""
     members: dict[str, None] = {}
     fresh, seen = [name], {name}

@@ -16,12 +16,12 @@ from drake_geom_ros.command_line.answers import (
     write_json,
     write_table,
 )
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 
 
 @pytest.fixture(scope='module')
 def scene():
-    return PosedScene(str(ROOT / 'scenes/minimal.yaml'))
+    return OpenedScene(str(ROOT / 'scenes/minimal.yaml'))
 
 
 def ask(scene, what, limit=10.0, points=None, **asked):
@@ -64,7 +64,7 @@ geometries:
 def test_the_nearest_pairs_may_be_half_spaces(tmp_path, roll, distance):
     path = tmp_path / 'planes.yaml'
     path.write_text(HALF_SPACES.replace('{ROLL}', repr(roll)))
-    table = ask(PosedScene(str(path)), 'nearest', count=9)
+    table = ask(OpenedScene(str(path)), 'nearest', count=9)
     planes = [{'floor', 'roof'} == {a.split('/')[1], b.split('/')[1]} for a, b in pairs_of(table)]
     assert table['distance'][planes].tolist() == [pytest.approx(distance)]
     assert len(planes) == 2  # with the ball and the roof; the ball and the floor are anchored

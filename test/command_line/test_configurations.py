@@ -7,7 +7,7 @@ import pytest
 
 from drake_geom_ros.batch import Joints
 from drake_geom_ros.command_line.configurations import pose_joints, poses_of_states
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.scene_files import SceneFileError
 
@@ -17,7 +17,7 @@ CAMERA = ['--from', '2', '-2', '1.5', '--at', '0', '0', '0.5', '--size', '64', '
 
 @pytest.fixture
 def scene():
-    return PosedScene(str(SCENE))
+    return OpenedScene(str(SCENE))
 
 
 def hand_of(scene):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import SignedDistanceResults
 from drake_geom_ros.replay import Opinion, read, recorded, write
@@ -16,7 +16,7 @@ from drake_geom_ros.replay import Opinion, read, recorded, write
 @pytest.fixture
 def path(tmp_path):
     """Return a replay file of the ball beside the post."""
-    query = PosedScene(str(ROOT / 'scenes/minimal.yaml')).query
+    query = OpenedScene(str(ROOT / 'scenes/minimal.yaml')).query
     results = query.ComputeSignedDistancePairwiseClosestPoints(0.5, accuracy='balanced')
     replay = recorded(query, results, 0, 'balanced', 0.5)
     wide = dataclasses.replace(replay.answer, error_bound=0.25, breaks_promise=True)

@@ -7,7 +7,7 @@ import pytest
 from conventions.source_tree import ROOT
 from oracles.like_drake import compared
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.geometry import Role
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
@@ -31,7 +31,7 @@ def posed(name):
         pytest.importorskip('mujoco', exc_type=ImportError)
     with warnings.catch_warnings():
         warnings.simplefilter('ignore')
-        return PosedScene(str(FOLDER / name))
+        return OpenedScene(str(FOLDER / name))
 
 
 def test_each_kind_of_model_is_here():

@@ -7,7 +7,7 @@ import pytest
 
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.scene.waiting import Waiting
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneStatus
 
 
 class Log:
@@ -38,7 +38,7 @@ def guard(log, diagnostics):
 
 def told(diagnostics):
     cycle = Plain(count=0, worst_error_bound=0.0, contacts=Plain(told='not asked for'))
-    state = SceneState(0, {}, Waiting([], 0, 0), {})
+    state = SceneStatus(0, {}, Waiting([], 0, 0), {})
     message = diagnostics.message(state, 1.0, cycle, 1.0)
     return {v.key: v.value for v in message.status[0].values}
 

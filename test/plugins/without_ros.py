@@ -15,7 +15,7 @@ NEED_ROS = tuple(
         'live/conversions/test_misread_numbers.py',
         'live/conversions/test_proximity_rules.py',
         'live/conversions/test_serialized_cloud.py',
-        'live/scene/test_camera_limits.py',
+        'live/scene/test_scene_cameras.py',
         'live/scene/test_half_spaces.py',
         'live/scene/test_scene_rules.py',
         'live/scene/test_senders.py',

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 
 ROOT = Path(__file__).parents[2]
 SCENES = [
@@ -20,7 +20,7 @@ def test_there_are_some():
 
 @pytest.mark.parametrize('path', SCENES, ids=lambda path: f'{path.parent.name}/{path.name}')
 def test_nothing_overlaps_where_the_scene_stands(path):
-    scene = PosedScene(str(path))
+    scene = OpenedScene(str(path))
     scene.check_whole()
     found = scene.query.ComputePointPairPenetration()
     overlaps = [(scene.names[each.id_A], scene.names[each.id_B], each.depth) for each in found]

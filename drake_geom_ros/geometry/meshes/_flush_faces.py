@@ -19,14 +19,14 @@ from drake_geom_ros.math.array_types import Floats, Indices
 _DIRECTION = np.array([0.7385489, 0.3141593, 0.5772157, 0.1618034])
 
 
-class CutFaces(NamedTuple):
+class CutCorners(NamedTuple):
     """Corners (m, 3, 3) [m] of triangles, and the index (m,) of the triangle that each was."""
 
     corners: Floats
     origins: Indices
 
 
-def without_flush_areas(corners: Floats) -> CutFaces | None:
+def without_flush_areas(corners: Floats) -> CutCorners | None:
     """Return triangles (n, 3, 3) [m] without the areas in which two lie face to face.
 
     Both are in one plane, to the rounding of the coordinates, with opposite normals. None if no
@@ -56,7 +56,7 @@ def without_flush_areas(corners: Floats) -> CutFaces | None:
         origins.append([i] * len(fans))
     if not is_cut:
         return None
-    return CutFaces(np.concatenate(pieces), np.concatenate(origins).astype(np.int64))
+    return CutCorners(np.concatenate(pieces), np.concatenate(origins).astype(np.int64))
 
 
 def _face_to_face(corners: Floats, normals: Floats, near: float) -> Iterator[tuple[int, int]]:

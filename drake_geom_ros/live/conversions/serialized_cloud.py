@@ -34,7 +34,7 @@ class Header(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Field:
+class CloudField:
     """As sensor_msgs/PointField."""
 
     name: str
@@ -49,7 +49,7 @@ class Cloud(NamedTuple):
     header: Header
     height: int
     width: int
-    fields: list[Field]
+    fields: list[CloudField]
     is_bigendian: bool
     point_step: int
     row_step: int
@@ -89,8 +89,8 @@ def cloud_of_bytes(raw: bytes) -> Cloud:
     )
 
 
-def _field(reader: _Reader) -> Field:
-    return Field(reader.text(), reader.number('I'), reader.number('B'), reader.number('I'))
+def _field(reader: _Reader) -> CloudField:
+    return CloudField(reader.text(), reader.number('I'), reader.number('B'), reader.number('I'))
 
 
 class _Reader:

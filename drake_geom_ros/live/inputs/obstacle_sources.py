@@ -9,7 +9,7 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.inputs import obstacle_records
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
 from drake_geom_ros.live.inputs.obstacle_refusals import package_refusal
-from drake_geom_ros.live.scene.map_sources import NamedSource, Origin
+from drake_geom_ros.live.scene.map_sources import NamedSource, SourceOrigin
 from drake_geom_ros.live.scene.scene_maps import AgeLimit
 from drake_geom_ros.scene_files import (
     DEPTH_IMAGE,
@@ -43,8 +43,8 @@ def all_sources(
     defaults = [ObstacleSource(name, *_DEFAULTS[name]) for name in names]
     sources: dict[str, NamedSource] = {}
     for origin, several in (
-        *((Origin.PARAMETER, defaults), (Origin.PARAMETER, of_parameter)),
-        (Origin.SCENE_FILE, of_scene),
+        *((SourceOrigin.PARAMETER, defaults), (SourceOrigin.PARAMETER, of_parameter)),
+        (SourceOrigin.SCENE_FILE, of_scene),
     ):
         for each in several:
             refuse_without_package(each)
@@ -81,7 +81,7 @@ def refuse_taken_name(source: ObstacleSource, there: Mapping[str, NamedSource]) 
 
 def removable(name: str, there: Mapping[str, NamedSource]) -> ObstacleSource:
     """Return the source of that name; ArgumentError where no service may remove it."""
-    added = [each for each, (_, origin) in there.items() if origin == Origin.SERVICE]
+    added = [each for each, (_, origin) in there.items() if origin == SourceOrigin.SERVICE]
     if name in added:
         return there[name].source
     why = 'there is none'

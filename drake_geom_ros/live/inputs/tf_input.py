@@ -46,7 +46,7 @@ from drake_geom_ros.live.inputs.tf_chains import (
 )
 from drake_geom_ros.live.inputs.tf_edges import Refusal, judged
 from drake_geom_ros.live.inputs.tf_past import Chain, TfPast
-from drake_geom_ros.live.inputs.tf_table import Edge, EdgeTable, Heard, moments_of
+from drake_geom_ros.live.inputs.tf_table import Edge, EdgeTable, HeardTransforms, moments_of
 from drake_geom_ros.live.inputs.tf_troubles import SHOWN, Claims, shared, unlinked
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.live.scene.feeders import TF
@@ -96,7 +96,9 @@ class TfInput:
         good, refusal = judged(transforms)
         self._refuse_too_many(names, good)
         stamps = np.full(len(names), math.inf) if static else transforms.seconds
-        heard = Heard(transforms, stamps, moments_of(self._clocks.arrival(waited), stamps))
+        heard = HeardTransforms(
+            transforms, stamps, moments_of(self._clocks.arrival(waited), stamps)
+        )
         if not static:
             self._notice_rewind(heard, good)
         taken = [self._take_turn(heard, good, turn, static=static) for turn in names.turns]
@@ -112,7 +114,9 @@ class TfInput:
         self._changed = self._changed | changed if self._changed else changed
         return refusal
 
-    def _take_turn(self, heard: Heard, good: Indices, turn: Indices, *, static: bool) -> Indices:
+    def _take_turn(
+        self, heard: HeardTransforms, good: Indices, turn: Indices, *, static: bool
+    ) -> Indices:
         """Take those of some transforms that are good and no older than what is known.
 
         Return their rows.
@@ -194,7 +198,7 @@ class TfInput:
                     f'{_MOST_FRAMES} are kept'
                 )
 
-    def _notice_rewind(self, heard: Heard, good: Indices) -> None:
+    def _notice_rewind(self, heard: HeardTransforms, good: Indices) -> None:
         """Forget all moving transforms when time has gone back."""
         before = self._edges.stamps(heard.transforms.names, good)
         if ((before < math.inf) & (heard.stamps[good] < before - _REWIND)).any():

@@ -41,7 +41,7 @@ class Edge(NamedTuple):
         return self.X_PC[:3, 3]
 
 
-class Heard(NamedTuple):
+class HeardTransforms(NamedTuple):
     """A message, and when the poses in it hold."""
 
     transforms: Transforms
@@ -109,7 +109,7 @@ class EdgeTable:
 
     def take(
         self,
-        heard: Heard,
+        heard: HeardTransforms,
         rows: Indices,
         change_parent: Callable[[str, str, str], object],
     ) -> tuple[Indices, bool]:
@@ -131,7 +131,7 @@ class EdgeTable:
         self._write(heard, rows, slots)
         return rows, bool(fresh)
 
-    def _write(self, heard: Heard, rows: Indices, slots: Indices) -> None:
+    def _write(self, heard: HeardTransforms, rows: Indices, slots: Indices) -> None:
         since, stamps, numbers = heard.since, heard.stamps, heard.transforms.rows
         if len(rows) < len(stamps):
             since, stamps, numbers = since[rows], stamps[rows], numbers[rows]

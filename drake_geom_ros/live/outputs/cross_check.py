@@ -49,7 +49,7 @@ class _Answered:
     max_distance: float
 
 
-class Counts(NamedTuple):
+class CrossCheckCounts(NamedTuple):
     """Counts of checked pairs by verdict, and of samples that were lost or left out."""
 
     pairs: int
@@ -105,11 +105,11 @@ class CrossCheck:
         self._thread.join()
         self._asker.close()
 
-    def counts(self) -> Counts:
+    def counts(self) -> CrossCheckCounts:
         """Return what came of it until now."""
         with self._lock:
             counts = self._counts.copy()
-        return Counts(
+        return CrossCheckCounts(
             pairs=sum(counts[verdict] for verdict in VERDICTS),
             disagreements=counts[DISAGREED],
             refuted=counts[REFUTED],

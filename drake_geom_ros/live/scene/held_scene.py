@@ -22,7 +22,7 @@ from drake_geom_ros.live.scene.scene_maps import SceneMaps
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
-from drake_geom_ros.live.scene.scene_snapshot import SceneMark, SceneSnapshot
+from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot, SnapshotMark
 from drake_geom_ros.live.scene.scene_stopping import SceneStopping
 from drake_geom_ros.live.scene.scene_tracked import NAMED_AS_TRACKED, SceneTracked
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
@@ -296,10 +296,10 @@ class HeldScene:
             touch_links=self.filters.lasting_touch_links(),
         )
 
-    def mark(self) -> SceneMark:
+    def mark(self) -> SnapshotMark:
         """Return what a description of the scene as it is now is of."""
         model = self.model
-        return SceneMark(
+        return SnapshotMark(
             model.model_version,
             model.inspector.candidate_pairs(),
             tuple(model.filter_manager.active_filter_ids()),

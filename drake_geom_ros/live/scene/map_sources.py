@@ -20,7 +20,7 @@ class Forgetful(Protocol):
         """Hold nothing of before, nor what is being made; the scene is held."""
 
 
-class Origin(IntEnum):
+class SourceOrigin(IntEnum):
     """The place that names a source, as the constants of ListObstacleSources."""
 
     PARAMETER = 1
@@ -37,14 +37,14 @@ class NamedSource(NamedTuple):
     """A source, and where it is named."""
 
     source: ObstacleSource
-    origin: Origin
+    origin: SourceOrigin
 
 
 class ListedSource(NamedTuple):
     """A source that a node listens to."""
 
     source: ObstacleSource
-    origin: Origin
+    origin: SourceOrigin
     messages: int  # that were taken since its map was cleared last
 
 

@@ -32,7 +32,7 @@ from drake_geom_ros.scene_files import (
 
 
 @dataclass(frozen=True)
-class SceneMark:
+class SnapshotMark:
     """The mark of a description: a later scene with the same mark has the same description.
 
     Poses, values of joints and the cells of sensed maps are not in it.
@@ -44,7 +44,7 @@ class SceneMark:
     cameras: Mapping[str, tuple[FrameId, CameraDescription]]
     awaited: tuple[AwaitedFilter, ...]
 
-    def matches(self, other: SceneMark) -> bool:
+    def matches(self, other: SnapshotMark) -> bool:
         """Return whether another mark is of the same scene."""
         names = ('version', 'transient_filters', 'cameras', 'awaited')
         is_same = all(getattr(self, name) == getattr(other, name) for name in names)
@@ -56,7 +56,7 @@ class SceneSnapshot:
     """A copy of the scene with what is described beside its content."""
 
     context: SceneGraphContext
-    mark: SceneMark
+    mark: SnapshotMark
     robots: tuple[RobotDescription, ...]  # as joint values have them stand
     is_static: Mapping[int, bool]  # by the values of frames' ids
     waiting: tuple[AwaitedFilter, ...]

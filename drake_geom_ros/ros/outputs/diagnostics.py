@@ -22,7 +22,7 @@ from drake_geom_ros.live.scene.waiting import Waiting
 from drake_geom_ros.ros.outputs.service_answers import CallCounts
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
-    from drake_geom_ros.live.outputs.cross_check import Counts
+    from drake_geom_ros.live.outputs.cross_check import CrossCheckCounts
 
 _REASON_LENGTH = 120
 _KINDS_OF_REASONS = 50
@@ -33,7 +33,7 @@ _LONG_LAG = 0.1  # [s] in which what moves at 1 m/s moves as far as it is to be 
 _STATM = Path('/proc/self/statm')
 
 
-class SceneState(NamedTuple):
+class SceneStatus(NamedTuple):
     """The state of the scene for the status."""
 
     version: int
@@ -95,7 +95,7 @@ class Diagnostics:
                 self._reasons[key] += count
 
     def message(
-        self, scene: SceneState, stale_after: float, cycle: Cycle, now: float
+        self, scene: SceneStatus, stale_after: float, cycle: Cycle, now: float
     ) -> DiagnosticArray:
         """Return what is to be said of now; ``now`` [s] is of any steady clock."""
         ages, waiting = scene.ages, scene.waiting
@@ -172,7 +172,7 @@ class Diagnostics:
             add_trouble(status, f'{lost_calls} since the last report')
 
 
-def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
+def add_counts(status: DiagnosticStatus, counts: CrossCheckCounts) -> None:
     """Add what was cross-checked to a status: one that warns where there is a disagreement."""
     values = counts._asdict().items()
     status.values += [KeyValue(key=f'cross_check {key}', value=str(n)) for key, n in values]

@@ -12,7 +12,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 from drake_geom_ros.live.conversions.serialized_cloud import (
-    Field,
+    CloudField,
     cloud_of_bytes,
     is_plain,
 )
@@ -45,7 +45,7 @@ def test_a_cloud_is_what_rclpy_reads(cloud):
     told = cloud_of_bytes(raw)
     assert told.header.stamp == (cloud.header.stamp.sec, cloud.header.stamp.nanosec)
     assert told.header.frame_id == cloud.header.frame_id
-    assert told.fields == [Field(f.name, f.offset, f.datatype, f.count) for f in cloud.fields]
+    assert told.fields == [CloudField(f.name, f.offset, f.datatype, f.count) for f in cloud.fields]
     for name in ('height', 'width', 'is_bigendian', 'point_step', 'row_step', 'is_dense'):
         assert getattr(told, name) == getattr(cloud, name)
     assert bytes(told.data) == bytes(cloud.data)

@@ -10,7 +10,7 @@ from drake_geom_ros.live.inputs.obstacle_sources import (
     removable,
     saved_sources,
 )
-from drake_geom_ros.live.scene.map_sources import NamedSource, Origin
+from drake_geom_ros.live.scene.map_sources import NamedSource, SourceOrigin
 from drake_geom_ros.scene_files import ObstacleSource
 
 FRONT = ObstacleSource('front', 'laser_scan', '/scan')
@@ -21,13 +21,17 @@ POINTS = ObstacleSource('points', 'point_cloud', '~/obstacles/points')
 def test_each_source_is_named_where_it_comes_from_first():
     sources = all_sources(['points'], [FRONT], [ObstacleSource('rear', 'laser_scan', '/rear')])
     assert {name: each.origin for name, each in sources.items()} == {
-        'points': Origin.PARAMETER, 'front': Origin.PARAMETER, 'rear': Origin.SCENE_FILE,
-    }  # fmt: skip
+        'points': SourceOrigin.PARAMETER,
+        'front': SourceOrigin.PARAMETER,
+        'rear': SourceOrigin.SCENE_FILE,
+    }
     assert sources['points'].source == POINTS
 
 
 def test_a_source_that_two_name_alike_is_one():
-    assert all_sources([], [FRONT], [FRONT]) == {'front': NamedSource(FRONT, Origin.PARAMETER)}
+    assert all_sources([], [FRONT], [FRONT]) == {
+        'front': NamedSource(FRONT, SourceOrigin.PARAMETER)
+    }
 
 
 @pytest.mark.parametrize(
@@ -48,7 +52,7 @@ def test_a_service_adds_no_second_source_of_a_name_and_removes_none_but_its_own(
             removable(name, there)
     with pytest.raises(ArgumentError, match=r'there is none.*add_obstacle_source: none'):
         removable('moon', there)
-    added = {**there, 'own': NamedSource(OTHER, Origin.SERVICE)}
+    added = {**there, 'own': NamedSource(OTHER, SourceOrigin.SERVICE)}
     assert removable('own', added) == OTHER
 
 

@@ -8,7 +8,7 @@ from live.live_scenes import TWO_BALLS, live_scene
 
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, LOST, REFUTED, SILENT, Verdict
 from drake_geom_ros.live.outputs import cross_check as module
-from drake_geom_ros.live.outputs.cross_check import PAIRS, Counts, CrossCheck
+from drake_geom_ros.live.outputs.cross_check import PAIRS, CrossCheck, CrossCheckCounts
 from drake_geom_ros.replay import Opinion, read
 
 pytestmark = pytest.mark.clock
@@ -80,7 +80,7 @@ def test_a_sample_of_a_cycle_is_asked_about_with_what_it_answered(scene, checks)
         row = np.flatnonzero((results.id_A == question.ids[0]) & (results.id_B == question.ids[1]))
         assert question.distance == results.distance[row[0]]
         assert question.error_bound == results.error_bound[row[0]]
-    assert check.counts() == Counts(len(results), 0, 0, 0, 0, 0)
+    assert check.counts() == CrossCheckCounts(len(results), 0, 0, 0, 0, 0)
 
 
 def test_a_sample_is_small(checks):
@@ -120,7 +120,7 @@ def test_all_verdicts_are_counted(scene, checks, monkeypatch):
     check = checks()
     cycle(scene, check)
     waited(lambda: check.counts().pairs)
-    assert check.counts() == Counts(
+    assert check.counts() == CrossCheckCounts(
         pairs=5, disagreements=1, refuted=1, silent=1, lost=1, dropped=0
     )
 

@@ -9,7 +9,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from drake_geom_ros.geometry import kernel_state
 from drake_geom_ros.live.scene.waiting import Waiting
 from drake_geom_ros.ros.outputs import diagnostics
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneStatus
 
 CYCLE = Plain(
     count=3, worst_error_bound=0.0, contacts=Plain(told='1, and 0 pairs that overlap without')
@@ -19,7 +19,7 @@ NOBODY = Waiting([], 0, 0)
 
 def status_of(ages, waiting=NOBODY, owners=None):
     """Return the status of a scene, and its values by key."""
-    scene = SceneState(7, ages, waiting, owners or {})
+    scene = SceneStatus(7, ages, waiting, owners or {})
     (status,) = Diagnostics('/node').message(scene, 1.0, CYCLE, 1.0).status
     return status, {v.key: v.value for v in status.values}
 
@@ -58,7 +58,7 @@ def test_transient_filters_are_told_with_their_owners(owners, said):
 
 
 def test_a_transient_filter_is_told_with_what_is_left_of_its_lease():
-    scene = SceneState(7, {}, NOBODY, {4: 'planner', 9: ''}, filter_leases={4: 2.52})
+    scene = SceneStatus(7, {}, NOBODY, {4: 'planner', 9: ''}, filter_leases={4: 2.52})
     (status,) = Diagnostics('/node').message(scene, 1.0, CYCLE, 1.0).status
     (said,) = [v.value for v in status.values if v.key == 'transient filters']
     assert said == '4 (planner, lease ends in 2.5 s), 9 (no owner given)'
@@ -75,7 +75,7 @@ def test_the_kernels_that_answer_are_named():
 
 
 def test_lag_and_what_is_passed_over_are_figures_and_warnings():
-    scene, counted = SceneState(7, {'s::a': 0.0}, NOBODY, {}), Diagnostics('/node')
+    scene, counted = SceneStatus(7, {'s::a': 0.0}, NOBODY, {}), Diagnostics('/node')
 
     def told():
         (status,) = counted.message(scene, 1.0, CYCLE, 1.0).status

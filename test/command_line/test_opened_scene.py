@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 
+from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.pose_file import FramePose
-from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import Location, SceneFileError
@@ -27,7 +27,7 @@ geometries:
 def scene(tmp_path):
     path = tmp_path / 'two.yaml'
     path.write_text(TWO_FRAMES)
-    return PosedScene(str(path))
+    return OpenedScene(str(path))
 
 
 def pose(name, x):
@@ -78,7 +78,7 @@ def test_a_name_that_cannot_be_posed_is_blamed(scene, names, word):
 
 
 def test_links_of_a_robot_stand_as_its_configuration_says():
-    scene = PosedScene(str(ROOT / 'scenes/two_pandas.yaml'))
+    scene = OpenedScene(str(ROOT / 'scenes/two_pandas.yaml'))
     (left, _) = scene.description.robots
     arm = Kinematics(str(left.urdf))
     standing = [left.configuration[name] for name in arm.joint_names]
@@ -106,7 +106,7 @@ def loose(tmp_path, request):
 
 
 def test_links_that_may_be_anywhere_wait_for_a_pose(loose):
-    scene = PosedScene(str(loose))
+    scene = OpenedScene(str(loose))
     with pytest.raises(SceneFileError, match=r'no pose: .*r::b, r::c'):
         scene.check_whole()
 

@@ -19,7 +19,7 @@ from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.trajectories.motion_file import load_motion
 
 
-class PosedScene:
+class OpenedScene:
     """A scene with the poses of its frames.
 
     Frames have the poses of the scene file. Links of robots have those of forward kinematics, in
