@@ -1,4 +1,4 @@
-"""FramePoses and FrameTwists messages to what they say of frames."""
+"""FramePoses and FrameTwists messages to arrays: ids of frames, poses and twists."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Messages that stream in, by their bytes: names first, which repeat, then arrays of numbers.
+"""JointState, FramePoses and FrameTwists by their bytes: names, which repeat, and arrays.
 
-Such are JointState, FramePoses and FrameTwists. A sender names the same joints or frames in each
-message, so the bytes of the names are compared with those of the message before. What does not
-fit, such as a name that is no UTF-8, is left to the middleware.
+A sender names the same joints or frames in each message, so the bytes of the names are compared
+with those of the message before. What does not fit, such as a name that is no UTF-8, is left to
+the middleware.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Makes cells of the points that sensors measured: of clouds, and of depth images.
+"""Makes cells of the points that sensors measured: clouds, depth images, scans and ranges.
 
 It has no scene: its owner gives the poses of the sensor and the bodies, and takes the cells.
 Therefore it may work in a process of its own.

@@ -1,4 +1,4 @@
-"""The check of the transforms of a message, of each for itself."""
+"""Checks of each transform of a message by itself: its names, numbers and stamp."""
 
 from __future__ import annotations
 

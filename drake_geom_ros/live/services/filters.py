@@ -1,4 +1,4 @@
-"""Services that change the collision filters: the live scene, a request, a response.
+"""Services that apply, renew, remove and flatten collision filters.
 
 As in ``scene``: a handler raises RuntimeError to refuse.
 """

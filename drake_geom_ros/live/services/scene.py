@@ -1,4 +1,4 @@
-"""Services that change what the scene holds: the live scene, a request, a response.
+"""Services that add and remove sources, frames and geometries, and that attach frames.
 
 One function a service; those that bring a shape are in ``shapes``. A handler raises RuntimeError
 to refuse, and has changed nothing then.

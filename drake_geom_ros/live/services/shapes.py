@@ -1,4 +1,4 @@
-"""Services that bring queries a shape: the live scene, a request, a response.
+"""Services that register geometries, assign roles and change shapes.
 
 They may have to read a mesh and to compile kernels, which takes seconds, so they run in a thread
 of their own: all that takes long is done on a copy of the scene, which is held only to look names
