@@ -1,17 +1,22 @@
 """The pictures of docs/viewing.md: the page in a headless Chromium, clicked and photographed.
 
-./run exec python -m bench.viewer.pictures [--out docs] [--node]
+./run exec python -m bench.viewer.pictures [--out docs] [--node | --stop]
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import rclpy
 from PIL import Image
+from sensor_msgs.msg import JointState
 
 from bench.viewer.browser import Browser
 from drake_geom_ros.command_line import view
@@ -25,6 +30,19 @@ proximity_rules:
 - {name: go slowly, set_a: left, set_b: right, level: slow, enter: 0.2, leave: 0.25}
 - {name: near the fence, set_a: right, set_b: fence, level: warn, enter: 0.3, leave: 0.35}
 """
+_STOPPABLE = """
+proximity_rules:
+- {name: can stop, set_a: left, set_b: right, level: stoppable, decelerations: 3.0,
+   reaction_time: 0.1, margin: 0.02}
+"""
+_READY = (-0.9, -0.5, 0.0, -2.0, 0.0, 1.6, 0.8)  # [rad] of an arm that turns about its foot
+_RESTS = (0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8)  # [rad] of the other one
+# Values and speeds of joints, by their names.
+_TURNING = {
+    f'{arm}::panda_joint{k}': (q, 2.0 if (arm, k) == ('left', 1) else 0.0)
+    for arm, values in (('left', _READY), ('right', _RESTS))
+    for k, q in enumerate(values, start=1)
+} | {f'{arm}::panda_finger_joint1': (0.02, 0.0) for arm in ('left', 'right')}
 _SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
 _CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
 _COLOURS = 256  # of a picture, which is a third as large so
@@ -36,8 +54,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog='python -m bench.viewer.pictures')
     parser.add_argument('--out', type=Path, default=Path('docs'))
     parser.add_argument('--node', action='store_true', help='the picture of a running node')
+    parser.add_argument('--stop', action='store_true', help='the ghost of an arm that stops')
     options = parser.parse_args()
-    if options.node:
+    if options.stop:
+        with_ghost(options.out)
+    elif options.node:
         with_node(options.out)
     else:
         with_demo(options.out)
@@ -98,6 +119,50 @@ def with_node(out: Path) -> None:
         browser.wait_for(lambda: 'entered: near' in browser.text(), 'a rule that is entered')
         photograph(browser, out / 'proximity_rules.png')
         browser.close()
+
+
+def with_ghost(out: Path) -> None:
+    """Photograph the ghost of an arm that turns, beside the other one."""
+    from bench.ros.beside import NODE, VIEWER
+    from bench.ros.driver import SCENE
+    from bench.ros.processes import Processes
+
+    with tempfile.TemporaryDirectory() as folder, Processes() as processes:
+        scene = Path(folder) / 'cell.yaml'
+        scene.write_text(Path(SCENE).read_text(encoding='utf-8') + _STOPPABLE, encoding='utf-8')
+        processes.start(NODE, scene_file=str(scene), use_joint_states=True)
+        processes.start(VIEWER, port=18302, max_distance=0.1)
+        with turning_arm():
+            browser = opened('http://127.0.0.1:18302/', *_DESK)
+            press(browser, 'to-live')
+            browser.wait_for(lambda: 'can stop' in browser.text(), 'a rule that is decided')
+            photograph(browser, out / 'stopping_ghost.png')
+            browser.close()
+
+
+@contextmanager
+def turning_arm() -> Iterator[None]:
+    """Publish the values of an arm again and again, always with the same speeds."""
+    rclpy.init()
+    node = rclpy.create_node('turning_arm')
+    publisher = node.create_publisher(JointState, 'joint_states', 10)
+    over = threading.Event()
+
+    def publish() -> None:
+        while not over.wait(0.02):
+            message = JointState(name=list(_TURNING), velocity=[v for _, v in _TURNING.values()])
+            message.position = [q for q, _ in _TURNING.values()]
+            message.header.stamp = node.get_clock().now().to_msg()
+            publisher.publish(message)
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+        rclpy.shutdown()
 
 
 def opened(url: str, width: int, height: int) -> Browser:

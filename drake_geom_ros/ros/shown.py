@@ -15,6 +15,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from drake_geom_ros.live.outputs.effects import Beside, unheard
 from drake_geom_ros.live.outputs.geometry_poses import GeometryPoses
 from drake_geom_ros.live.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.live.outputs.stopping_poses import StoppingPoses
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.ros.parameters import ParameterStore
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:  # a node that is asked for no visualiser loads nothing of it
     from drake_geom_ros.live.outputs.visualizer import Visualizer
 
 _POSES_PERIOD = 0.04  # [s] of ~/geometry_poses: for eyes
+_WAYS_PERIOD = 0.1  # [s] of ~/stopping_poses
 _NOT_DUE = 'no time for one since the last report'
 
 
@@ -43,7 +45,7 @@ class ShownOutputs:
         self._settings = settings
         self._active = active
         markers = publishers['~/markers']
-        poses = publishers['~/geometry_poses']
+        poses, ways = publishers['~/geometry_poses'], publishers['~/stopping_poses']
 
         def why_no_markers() -> str:
             if not settings.values.publish_markers:
@@ -54,6 +56,9 @@ class ShownOutputs:
             'markers': Beside.publishing('markers', why_no_markers),
             'geometry_poses': Beside.publishing(
                 'geometry_poses', lambda: unheard(poses, _NOT_DUE)
+            ),
+            'stopping_poses': Beside.publishing(
+                'stopping_poses', lambda: unheard(ways, 'nothing brakes, or no time for one')
             ),
         }
         self._markers = MarkerPublisher(
@@ -69,6 +74,9 @@ class ShownOutputs:
         self._poses = GeometryPoses(
             live, poses, GeometryPosesMessage, self.beside['geometry_poses'].did
         )
+        self._ways = StoppingPoses(
+            live, ways, GeometryPosesMessage, self.beside['stopping_poses'].did
+        )
         self._visualizer: Visualizer | None = None
         if settings.values.lcm_url:
             # Only now: most nodes are asked for none.
@@ -78,7 +86,11 @@ class ShownOutputs:
 
     def tasks(self) -> list[tuple[float, Callable[[], None]]]:
         """Return what is due again and again, each with its period [s]."""
-        return [(1.0 / self._settings.values.marker_rate, self._draw), (_POSES_PERIOD, self._pose)]
+        return [
+            (1.0 / self._settings.values.marker_rate, self._draw),
+            (_POSES_PERIOD, self._pose),
+            (_WAYS_PERIOD, self._pose_ways),
+        ]
 
     def _draw(self) -> None:
         if not self._active():
@@ -93,3 +105,7 @@ class ShownOutputs:
     def _pose(self) -> None:
         if self._active():
             self._poses.publish()
+
+    def _pose_ways(self) -> None:
+        if self._active():
+            self._ways.publish()

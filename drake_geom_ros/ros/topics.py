@@ -158,6 +158,7 @@ OUTPUTS: Mapping[str, Output] = {
     PLANNING_SCENE: Output('moveit_msgs/msg/PlanningScene', latched, _uses_planning_scene),
     '~/markers': Output(MarkerArray),
     '~/geometry_poses': Output(msg.GeometryPoses),
+    '~/stopping_poses': Output(msg.GeometryPoses),
     '/diagnostics': Output(DiagnosticArray),
 }
 

@@ -355,6 +355,14 @@ class PreparedQuestion:
             clear=True, evaluations=evaluations, least_clearance=least, contact_time=math.inf
         )
 
+    def travel(self, moment: Moment) -> Floats:
+        """Return how far (c,) columns go until they stand; 0 where nobody knows."""
+        profile = self.profile(moment)
+        known = profile is not None and profile.fastest >= 1.0
+        if not known or profile is None or np.isnan(moment.values).any():
+            return np.zeros(self._columns.width)
+        return np.nan_to_num(profile.travel(), posinf=0.0, neginf=0.0)
+
     def measured(self, stop: Stop, moment: Moment) -> Stop:
         """Return an answer with the times, ways and speeds of its stop."""
         profile = self.profile(moment)

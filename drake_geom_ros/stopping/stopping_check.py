@@ -15,8 +15,8 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.queries.joint_motions import JointMotions
-from drake_geom_ros.geometry.queries.joint_trees import JointChain
-from drake_geom_ros.math.array_types import Flags, Indices
+from drake_geom_ros.geometry.queries.joint_trees import JointChain, chain_poses
+from drake_geom_ros.math.array_types import Flags, Floats, Indices
 from drake_geom_ros.stopping.braking import BrakingError
 from drake_geom_ros.stopping.moving_pairs import Moment, PosedPairs
 from drake_geom_ros.stopping.prepared_question import PreparedQuestion
@@ -98,17 +98,7 @@ class StoppingCheck:
                 self._travel.forget()
             else:
                 self._prepare()
-        columns = self._columns
-        moment = Moment(
-            columns.positions(states),
-            columns.velocities(states),
-            tuple(states),
-            self._chain_of(states),
-            np.broadcast_to(np.asarray(ages, dtype=np.float64), self.ids.shape),
-            delay,
-            *self._motions.poses(),
-            self._motions.unplaced(),
-        )
+        moment = self._moment(states, ages, delay)
         stops = [each.stop(moment, self._prepared, self._most) for each in self._prepared]
         if find_unmapped is not None:
             reach = max(each.reach(moment) for each in self._prepared)
@@ -120,6 +110,45 @@ class StoppingCheck:
         return [
             each.measured(stop, moment) for each, stop in zip(self._prepared, stops, strict=True)
         ]
+
+    @property
+    def frame_ids(self) -> Indices:
+        """The id values (f,) of the frames that joints and bases pose."""
+        return self._columns.frame_ids()
+
+    def ways(
+        self, states: Sequence[RobotState], delay: float = 0.0, parts: int = 4
+    ) -> list[Floats]:
+        """Return where each question's stop from the present speed leads, for pictures.
+
+        X_PF (parts, f, 7), x y z [m] qx qy qz qw, are poses of the frames ``frame_ids`` in what
+        carries their robots, where the joints that brake have gone equal parts of their travel;
+        the last ones are where they stand. (0, f, 7) where nothing moves, or nobody knows how.
+        ``states`` and ``delay`` are as in ``stops``.
+        """
+        moment = self._moment(states, 0.0, delay)
+        shares = np.arange(1.0, parts + 1.0)[:, np.newaxis] / parts
+        travels = [each.travel(moment) for each in self._prepared]
+        return [
+            chain_poses(
+                moment.chain, moment.values + shares[: len(shares) * travel.any()] * travel
+            )
+            for travel in travels
+        ]
+
+    def _moment(self, states: Sequence[RobotState], ages: ArrayLike, delay: float) -> Moment:
+        """Return how robots move now, among bodies with poses of some ``ages`` [s]."""
+        columns = self._columns
+        return Moment(
+            columns.positions(states),
+            columns.velocities(states),
+            tuple(states),
+            self._chain_of(states),
+            np.broadcast_to(np.asarray(ages, dtype=np.float64), self.ids.shape),
+            delay,
+            *self._motions.poses(),
+            self._motions.unplaced(),
+        )
 
     def _prepare(self) -> None:
         braked = [self._braked(question) for question in self._questions]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,14 @@ class ShownGeometries:
         return {value: short[name] for value, name in self.names.items()}
 
 
+class Ghost(NamedTuple):
+    """A place of robots on the way of their stop: ``ids`` (g,) of bodies, with their poses."""
+
+    ids: NDArray[np.int64]
+    R_WGs: Floats
+    p_WGs: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class ShownMoment:
     """Poses of the shown geometries at one moment, and query results.
@@ -69,6 +77,7 @@ class ShownMoment:
     cells: Sequence[CellLayer] = field(default=())
     # What a running node says beside its results: ages, sensors, events.
     tables: Sequence[TextTable] = field(default=())
+    ghosts: Sequence[Ghost] = field(default=())
 
     def pose_of(self, value: int) -> RigidTransform | None:
         """Return X_WG of a geometry by its id value; None if it is not shown."""

@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._proximity.world.joint_poses import (
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.batched import rotations_from_quaternions
 
-__all__ = ['JointChain', 'JointKind', 'JointTree', 'side_by_side']
+__all__ = ['JointChain', 'JointKind', 'JointTree', 'chain_poses', 'side_by_side']
 
 
 class JointKind(IntEnum):
@@ -120,6 +120,14 @@ class JointTree:
             leaders=leaders,
             offsets=np.where(fixed, self.offsets + self.multipliers * still, self.offsets),
         )
+
+
+def chain_poses(chain: JointChain, values: ArrayLike) -> Floats:
+    """Return X_WL (N, n, 7), x y z [m] qx qy qz qw, of a chain's ``links``, for values (N, c)."""
+    rows = np.ascontiguousarray(values, dtype=np.float64)
+    X_WLs = np.empty((len(rows), len(chain.links), 7))
+    pose_links(rows, tuple(chain), 0, X_WLs)
+    return X_WLs
 
 
 def side_by_side(

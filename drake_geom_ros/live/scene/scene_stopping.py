@@ -109,6 +109,13 @@ class SceneStopping:
         ]
         return self._asked.answers(states)
 
+    def ways(self) -> tuple[NDArray[np.int64], list[Floats]]:
+        """Return frames (f,) by ids, and ``StoppingCheck.ways`` of the last decision."""
+        if self._asked is None:
+            return np.zeros(0, dtype=np.int64), []
+        check = self._asked.prepared.check
+        return check.frame_ids, check.ways(self._asked.states, self._asked.delay)
+
     def refuse(self, rule: ProximityRule) -> None:
         """Raise RuleError for a rule whose braking names what is not in the scene."""
         if rule.level != Level.STOPPABLE:

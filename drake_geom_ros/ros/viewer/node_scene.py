@@ -35,7 +35,7 @@ from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
 from drake_geom_ros.viewing.shown_contacts import ShownContacts
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
-from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
+from drake_geom_ros.viewing.shown_scene import Ghost, ShownGeometries, ShownMoment
 
 _ANSWER_PATIENCE = 2.0  # [s] for who waits at the page
 _ASK_PERIOD = 0.2  # [s] between two questions beyond what the node publishes
@@ -69,6 +69,7 @@ class NodeScene:
         self._cells: dict[str, CellLayer] = {}  # by namespace of ~/markers
         self._maps = ''  # in words, how many sensed maps there are
         self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
+        self._ghosts, self._ghosts_heard = list[Ghost](), 0.0
         self._heard = 0.0  # [s] of the steady clock, when poses came
         self._bodies: dict[int, GeometryNames] = {}  # with the proximity role, by id value
         self._rules: Any = None  # the last ProximityStates, and the pairs that it is about
@@ -80,6 +81,7 @@ class NodeScene:
         for kind, topic, take, profile in (
             (msg.Scene, 'scene', self._take_scene, LATCHED),
             (msg.GeometryPoses, 'geometry_poses', self._take_poses, _NEWEST),
+            (msg.GeometryPoses, 'stopping_poses', self._take_ways, _NEWEST),
             (msg.SignedDistancePairs, 'signed_distances', self._take_results, _NEWEST),
             (msg.ProximityStates, 'proximity_states', self._take_rules, LATCHED),
             (MarkerArray, 'markers', self._take_markers, _MARKERS),
@@ -125,6 +127,7 @@ class NodeScene:
                 patches=shown.patches,
                 cells=list(self._cells.values()),
                 tables=self._tables.shown(),
+                ghosts=self._ghosts_of_now(),
             )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
@@ -220,6 +223,27 @@ class NodeScene:
             self._poses = matrices_from_poses(np.asarray(message.poses).reshape(-1, 7))
             self._heard = time.monotonic()
             self._changes += 1
+
+    def _take_ways(self, message: msg.GeometryPoses) -> None:
+        """Take where bodies are on the way of a stop: each place repeats the ids of bodies."""
+        with self._lock:
+            self._ghosts, self._ghosts_heard = [], time.monotonic()
+            self._changes += 1
+            if message.names_version != self._known:
+                return
+            ids = np.asarray(message.ids).astype(np.int64)
+            Rs, ps = matrices_from_poses(np.asarray(message.poses).reshape(-1, 7))
+            places = np.cumsum(np.append(True, np.diff(ids) <= 0))[: len(ids)]
+            for place in np.unique(places).tolist():
+                its = places == place
+                self._ghosts.append(Ghost(ids[its], Rs[its], ps[its]))
+
+    def _ghosts_of_now(self) -> list[Ghost]:
+        """Return the ghosts of bodies that are shown, unless they are of a while ago."""
+        if time.monotonic() - self._ghosts_heard > _LATE:
+            return []
+        shown = self._geometries.ids
+        return [ghost for ghost in self._ghosts if np.isin(ghost.ids, shown).all()]
 
     def _take_results(self, message: msg.SignedDistancePairs) -> None:
         with self._lock:

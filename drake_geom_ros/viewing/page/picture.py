@@ -18,6 +18,7 @@ from drake_geom_ros.viewing.batches import SurfaceBatch, batches_of
 from drake_geom_ros.viewing.cell_layers import CellLayer
 from drake_geom_ros.viewing.extents import extent_of
 from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS, Colour
+from drake_geom_ros.viewing.page.ghosts import Ghosts
 from drake_geom_ros.viewing.page.options import ViewOptions
 from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
@@ -91,6 +92,7 @@ class Picture:
             visible=False,
         )
         self._surfaces = _PressureSurfaces(scene)
+        self._ghosts = Ghosts(scene)
         self._selected_label = _Label(scene, '/pairs/selected_label')
         self._axes: Any = None
         self._grid: Any = None
@@ -125,6 +127,7 @@ class Picture:
             rows = np.array(rows_of_level(moment.rules, moment.pairs, level), dtype=np.int64)
             lines.show(moment.pairs.rows(rows).segments())
         self._surfaces.show(moment.patches)
+        self._ghosts.show(moment, options)
         self._show_selected(ReportedPairs.none() if selected is None else selected, options)
         self._show_names(moment, options)
         self._show_frames(moment, options)

@@ -5,10 +5,11 @@ import threading
 import numpy as np
 import pytest
 from drake_geom_msgs.msg import FramePoses, GeometryPoses, Stopping
+from live.scene.test_scene_stopping import ROD
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from ros.harness import SENSOR, start_node
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Header
 from viewing.scenes import PRESSING, local_scene
 
@@ -231,6 +232,38 @@ def test_the_topic_is_silent_without_a_listener_and_flat_with_one(
         heard = lone_client.listen(GeometryPoses, 'geometry_poses')
         message = lone_client.wait_for(lambda: heard, 'poses')[0]
         assert len(message.poses) == 7 * len(message.ids) == 21
+    finally:
+        node.end()
+
+
+def test_a_robot_that_brakes_has_ghosts(lone_client, shown, tmp_path):
+    (tmp_path / 'rod.urdf').write_text(ROD)
+    path = tmp_path / 'scene.yaml'
+    path.write_text(f"""
+robots: [{{name: rod, urdf: {tmp_path / 'rod.urdf'}, pose: {{}}}}]
+geometries: [{{name: post, pose: {{position: [9, 0, 0]}}, shape: {{type: sphere, radius: 0.1}}}}]
+proximity_rules: [{{name: stop, set_a: rod, level: stoppable, decelerations: 2.0}}]
+""")
+    node = start_node(tmp_path / 'log', scene_file=path, use_joint_states=True)
+    publisher = lone_client.node.create_publisher(JointState, 'joint_states', 10)
+
+    def ghosts(speed):
+        message = JointState(name=['turn'], position=[0.3], velocity=[speed])
+        message.header.stamp = lone_client.node.get_clock().now().to_msg()
+        publisher.publish(message)
+        return shown.moment(1.0, 'exact').ghosts
+
+    try:
+        four = lone_client.wait_for(lambda: len(g := ghosts(1.0)) == 4 and g, 'ghosts')
+        names = shown.moment(1.0, 'exact').geometries.names
+        assert {names[int(value)] for ghost in four for value in ghost.ids} == {
+            'rod::rod/collision_0'
+        }
+        angles = [np.arctan2(ghost.p_WGs[0, 1], ghost.p_WGs[0, 0]) for ghost in four]
+        travel = (angles[3] - 0.3) / 4.0
+        assert travel > 0.25 / 4.0  # 1 rad/s, at 2 rad/s^2
+        np.testing.assert_allclose(np.diff([0.3, *angles]), travel, rtol=1e-9)
+        lone_client.wait_for(lambda: not ghosts(0.0), 'no ghosts of a robot that stands')
     finally:
         node.end()
 
