@@ -207,6 +207,9 @@ class Playback:
         self._times.recorded = max(self._times.recorded, time / NANOSECONDS)
         if self.has_trackers:
             self._tracked.sweep()
+        with self.live.editing() as scene:
+            if scene.poses.visitors.gone_after:
+                scene.poses.take_out_silent(self.stale_after)
 
     def expect_trackers(self) -> None:
         """Have bodies of trackers from now on; until the first message their heartbeat waits."""

@@ -173,6 +173,8 @@ class Player:
         if not senders:
             return None
         with self._playback.live.editing() as scene:
+            if scene.poses.visitors.gone_after:
+                return None  # who leaves in between is known message by message
             return run_of(self._playback.inputs, scene, senders, stretch.count)
 
     def _play_run(self, stretch: Stretch, run: PoseRun) -> Iterator[Block]:

@@ -388,8 +388,11 @@ class ConfiguredNode:
         self._jumps.look()
         with self.live.editing() as scene:
             scene.filters.expire()
+            has_changed = scene.poses.take_out_silent(self._settings.values.stale_after)
             self._guard.take('poses that hang on others', self._stream.follow, scene)
             self._guard.take('joint_states', self._joints.follow, scene)
+        if has_changed:
+            self._stream.map_has_changed()
         self._guard.attempt(self._tracked.sweep)
         self._log_what_is_told()
         self._publish_scene()

@@ -61,6 +61,7 @@ class FrameDescription:
       source.
     - ``attached_to``: the frame that it follows; X_PF is then in that frame.
     - ``part_of_robot``: name patterns that match its carrier match the attached frame too.
+    - ``gone_after``: the seconds without a pose after which it leaves; None: it never does.
     - ``touch_links``: names, patterns and groups of what it may touch while it is attached.
     """
 
@@ -76,6 +77,7 @@ class FrameDescription:
     part_of_robot: bool = True
     mounted_on: Member | None = None
     touch_links: tuple[str, ...] = ()
+    gone_after: float | None = None
 
 
 @dataclass(frozen=True)

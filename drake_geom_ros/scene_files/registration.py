@@ -80,6 +80,7 @@ class LoadedScene:
     - ``cameras``: with the frames that they are on.
     - ``warnings``: those of the description, and the vertices welded to make meshes solid.
     - ``awaited``, ``rules``: the awaited filters and proximity rules of the description.
+    - ``gone_after``: the seconds without a pose after which frames leave that come and go.
     - ``touch_links``: the transient filters of attached frames that may touch something.
     """
 
@@ -95,6 +96,7 @@ class LoadedScene:
     awaited: tuple[AwaitedFilter, ...] = ()
     rules: tuple[ProximityRule, ...] = ()
     touch_links: Mapping[FrameId, TouchLinks] = field(default_factory=dict)
+    gone_after: Mapping[FrameId, float] = field(default_factory=dict)
 
     def name_of(self, id: GeometryId | FrameId | int) -> str:
         """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
@@ -242,6 +244,11 @@ class _Registration:
             description.awaited,
             description.rules,
             touch_links,
+            {
+                self._frames[frame.source, frame.name]: frame.gone_after
+                for frame in description.frames
+                if frame.gone_after is not None
+            },
         )
 
     @classmethod

@@ -47,6 +47,7 @@ from drake_geom_ros.scene_files.yaml_values import (
 
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
+_NEVER_GONE = {'pose', 'static', 'welded', 'attached_to'}  # keys that say where a frame is
 _OF_ATTACHED = {'part_of_robot', 'touch_links'}  # keys of frames with attached_to
 # Keys of a robot that change how its URDF is read.
 _OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding', 'flat_meshes'}
@@ -92,6 +93,11 @@ class _SceneParser:
         for index, plain in enumerate(self._plain.get('frames', ())):
             if {'attached_to', 'mounted_on'} & plain.keys():
                 self._hang(index, plain, names)
+            if 'gone_after' in plain and (others := _NEVER_GONE & plain.keys()):
+                raise self._document.at('frames', index, 'gone_after').error(
+                    'gone_after is of frames that messages or TF pose, and that leave with them: '
+                    f'leave out {", ".join(sorted(others))}'
+                )
             for key in _OF_ATTACHED & plain.keys() if 'attached_to' not in plain else ():
                 raise self._document.at('frames', index, key).error(
                     f'{key} is of frames that are attached to another one: give attached_to'
@@ -242,6 +248,7 @@ class _SceneParser:
             plain.get('static'),
             self._document.at(*path),
             plain.get('welded', False),
+            gone_after=plain.get('gone_after'),
         )
 
     def _hang(self, index: int, plain: Plain, names: FileNames) -> None:

@@ -167,6 +167,7 @@ def _frame(frame: FrameDescription, names: FileNames) -> dict[str, Any]:
         attached_to=frame.attached_to and names.name(frame.attached_to),
         part_of_robot=None if frame.part_of_robot else False,
         touch_links=list(frame.touch_links) or None,
+        gone_after=frame.gone_after,
     )
 
 

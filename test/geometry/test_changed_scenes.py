@@ -32,7 +32,7 @@ OTHERS = HalfSpace(), Convex.FromMeshData(MeshData(CORNERS, ()))
 EXAMPLES = 8 if config.DISABLE_JIT else 40
 CHANGES = (
     *('anchor', 'attach', 'remove', 'shape', 'repose', 'lose', 'gain', 'pad'),
-    *('exclude', 'allow', 'frame', 'move', 'wait', 'place'),
+    *('exclude', 'allow', 'frame', 'move', 'wait', 'place', 'unpose'),
 )
 
 
@@ -147,6 +147,9 @@ class Changing:
     def place(self):
         waiting = self.query.waiting_frames()
         self.pose([frame for frame in waiting if self.rng.integers(2) == 0])
+
+    def unpose(self):
+        self.context.UnposeFrames([f for f in self.frames if self.rng.integers(4) == 0])
 
     def built_at_once(self):
         """Return a query object of the same content, with the same poses, that has no past."""

@@ -245,3 +245,30 @@ def test_bodies_of_a_crowd_that_are_placed_one_after_the_other_are_near_whom_the
             query.HasCollisions()
     assert placed == 300
     assert len(near()) > 300
+
+
+def test_a_frame_that_is_unposed_waits_again_with_what_hangs_on_it():
+    scene = Chain(partial=True)
+    scene.pose(scene.a, scene.b, scene.c)
+    every = scene.pairs()
+    scene.context.UnposeFrames([scene.a])
+    assert scene.query.waiting_frames() == [scene.a]
+    assert scene.pairs() == pairs_of(scene.balls[2], scene.floor)
+    assert not scene.query.is_placed(scene.b)
+    scene.pose(scene.a)
+    assert scene.pairs() == every
+
+
+@pytest.mark.parametrize(
+    ('partial', 'frames', 'reason'),
+    [
+        (False, lambda scene: [scene.a], 'CreateSharedContext'),
+        (True, lambda scene: [scene.a, FrameId.get_new_id()], 'not in this scene'),
+    ],
+)
+def test_frames_that_cannot_be_unposed_are_refused_and_nothing_changes(partial, frames, reason):
+    scene = Chain(partial=partial)
+    scene.pose(scene.a, scene.b, scene.c)
+    with pytest.raises(PoseError, match=reason):
+        scene.context.UnposeFrames(frames(scene))
+    assert scene.query.waiting_frames() == []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -122,6 +122,25 @@ class SceneGraphContext(SceneHolder):
         Raises PoseError when a frame does not exist; nothing changes then.
         """
         self._state.pose_frames(poses)
+
+    def UnposeFrames(self, frame_ids: Iterable[FrameId]) -> None:
+        """Let frames of any source wait for a pose, as before their first one.
+
+        Queries omit the geometry on them and on their descendants until they are posed again.
+        Raises PoseError when a frame does not exist, and for a context that is not ``partial``;
+        nothing changes then.
+
+            >>> scene_graph = SceneGraph()
+            >>> source_id = scene_graph.RegisterSource('people')
+            >>> head = scene_graph.RegisterFrame(source_id, GeometryFrame('head'))
+            >>> context = scene_graph.CreateSharedContext(partial=True)
+            >>> context.UpdateFramePoses(FramePoseVector({head: RigidTransform()}))
+            >>> context.UnposeFrames([head])
+            >>> QueryObject(context).waiting_frames() == [head]
+            True
+        """
+        values = [frame_id.get_value() for frame_id in frame_ids]
+        self._state.unpose_frames(np.array(values, dtype=np.int64))
 
     def prepare(
         self,

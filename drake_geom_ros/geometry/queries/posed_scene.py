@@ -185,6 +185,15 @@ class PosedScene(SceneContent):
             self._undo_moved_welds(ids, X_PFs)
         world.pose(named, X_PFs)
 
+    def unpose_frames(self, ids: Indices) -> None:
+        """Let frames by id values (n,) wait again, see ``SceneGraphContext.UnposeFrames``."""
+        if not self.partial:
+            raise PoseError(
+                'Frames of this context cannot wait for a pose again, since its queries need the '
+                'poses of all: make it by CreateSharedContext(partial=True).'
+            )
+        self.up_to_date_world().unpose(self._frames_named(ids.tobytes(), ids).rows)
+
     def begin_at(self, frame: FrameRecord, X_PF: RigidTransform) -> None:
         """Pose a frame that got another parent, here and in later contexts of this scene."""
         super().begin_at(frame, X_PF)

@@ -227,13 +227,17 @@ class TfInput:
         posing = self._posing(scene, heard, ends)
         self._footing = {name: _footing(end) for name, end in ends.items()}
         self._loops, self._unknown = posing.loops, posing.unknown
+        if scene.poses.visitors.gone_after:
+            # Also one whose chain ends elsewhere was named: it waits, or is stale, and stays.
+            names_of = self._names_of_frames(scene)
+            scene.poses.welcome([f.get_value() for f, n in names_of if heard.intersection(n)])
         if posing.left_out:
             scene.poses.leave_out(posing.left_out)
         if posing.frames:
             rows = self._rows(scene, posing, ends, {})
             posed = groups_of(posing, self._held_since(posing, ends))
             poses = FramePoseVector.FromArrays(posing.ids, rows)
-            scene.poses.pose(poses, posed, self._stamp, TF, rows, self._past)
+            scene.poses.pose(poses, posed, self._stamp, TF, rows, self._past, named=())
             if scene.poses.history is not None:
                 followed = zip(posing.frames, posing.names, strict=True)
                 unkept = {f for f, name in followed if self._chained.get(f) != name}

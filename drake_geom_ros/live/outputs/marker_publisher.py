@@ -107,6 +107,8 @@ class MarkerPublisher:
             markers += writer.removed(*key, range(count))
         for key, (parts, colour) in self._looks.items():
             if not view.query.is_placed(key[1]):
+                count, _ = self._shown.pop(key, (0, b''))  # a body that left
+                markers += writer.removed(*key, range(count))
                 continue
             X_WG: RigidTransform = view.query.X_WG(key[1])
             state = len(parts), X_WG.ToArray().tobytes()

@@ -83,6 +83,13 @@ ALWAYS = Since(math.inf, math.inf, math.inf)  # of a pose that does not grow old
 UNKNOWN = Since(-math.inf, -math.inf, -math.inf)  # of a pose of which nobody knows the age
 
 
+class Heard(NamedTuple):
+    """The time of a message by the node's clock [s], and the epoch of that clock."""
+
+    epoch: int
+    time: float
+
+
 class Arrival(NamedTuple):
     """When a message came."""
 
@@ -125,6 +132,10 @@ class Clocks:
         # The epoch first: of what jumps in between the age is then unknown, and not wrong.
         epoch = self.epoch
         return Arrival(epoch, self.steady() - waited, self.node(), waited)
+
+    def heard(self, waited: float = 0.0) -> Heard:
+        """Return the time of a message that came ``waited`` [s] ago."""
+        return Heard(self.epoch, self.node() - waited)
 
     def age(self, since: Since) -> float:
         """Return an age [s]; inf: unknown, by a jump of time or a stamp that lies ahead."""

@@ -222,7 +222,8 @@ class HeldScene:
 
     def waiting(self) -> Waiting:
         """Return what waits for its first pose."""
-        return waiting(self.query, self.model.names, self.maps.beside_bodies())
+        absent = self.poses.visitors.absent
+        return waiting(self.query, self.model.names, self.maps.beside_bodies(), absent)
 
     def troubles(self) -> list[str]:
         """Return what is wrong with the poses and twists that come, and with lists, in words."""
@@ -273,14 +274,16 @@ class HeldScene:
             beside=beside,
             stale=stale,
             touch_links=self.filters.touch_links.names(),
+            absent=poses.visitors.absent,
         )
 
     def snapshot(self) -> SceneSnapshot:
         """Return a copy to be described, which takes long and needs no scene."""
-        model = self.model
-        joints = model.joints.robots
+        model, visitors = self.model, self.poses.visitors
+        joints, context = model.joints.robots, model.context.what_if()
+        visitors.activate_all(context)
         return SceneSnapshot(
-            model.context.what_if(),
+            context,
             self.mark(),
             tuple(
                 joints[robot.name].as_now(robot) if robot.name in joints else robot
@@ -294,6 +297,7 @@ class HeldScene:
             self.gates,
             has_tracked=self.tracked.heartbeat is not None,
             touch_links=self.filters.lasting_touch_links(),
+            gone_after=dict(visitors.gone_after),
         )
 
     def mark(self) -> SnapshotMark:

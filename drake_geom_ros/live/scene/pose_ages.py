@@ -83,12 +83,18 @@ class PoseAges:
 
     def forget(self, frames: Iterable[int]) -> None:
         """Know nothing more of frames that are gone."""
+        frames = list(frames)
+        self.wait(frames)
         for value in frames:
-            if (together := self._posed.pop(value, None)) is not None:
-                together.left -= 1
             self._declared.pop(value, None)
             self._static.discard(value)
             self._resting.pop(value, None)
+
+    def wait(self, frames: Iterable[int]) -> None:
+        """Know no pose of frames, which wait for one."""
+        for value in frames:
+            if (together := self._posed.pop(value, None)) is not None:
+                together.left -= 1
         self._together = {f: each for f, each in self._together.items() if each.left}
 
     def keep(self, frames: Iterable[int], since: Since) -> None:
@@ -153,10 +159,11 @@ class PoseAges:
                 self._pose(frames - static, since, stamp)
             else:
                 self._pose(frames, since, stamp)
-        self._latest = max((s for s in posed.values() if s != ALWAYS), default=ALWAYS)
+        moving = [since for since in posed.values() if since != ALWAYS]
+        self._latest = max(moving, default=ALWAYS)
         if self.newest_stamp is None or time_of(stamp) >= time_of(self.newest_stamp):
             self.newest_stamp = stamp
-        else:
+        elif moving:
             epoch = max(since.epoch for since in posed.values())
             stamped = (t for t in self._together.values() if t.stamp is not None)
             alive = (together.stamp for together in stamped if together.since.epoch >= epoch)

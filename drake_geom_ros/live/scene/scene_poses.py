@@ -32,6 +32,7 @@ from drake_geom_ros.live.scene.pose_history import Parts, PoseHistory
 from drake_geom_ros.live.scene.scene_log import SceneLog
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
+from drake_geom_ros.live.scene.scene_visitors import SceneVisitors
 from drake_geom_ros.live.scene.sender_troubles import clock_troubles, sender_troubles
 from drake_geom_ros.live.scene.senders import Joint, Senders, links_of
 from drake_geom_ros.live.scene.twists import FrameTwists
@@ -54,6 +55,7 @@ class ScenePoses:
 
     - ``ages``: since when each frame has its pose. ``feeders``: which input posed it last.
       ``senders``: which publisher. ``history``: where frames were, if somebody has to know.
+    - ``visitors``: frames that come and go.
     - ``moved``: frames that were posed since the robots on them followed.
     - ``keep_rows``: called with the id values (n,) of frames and the poses (n, 7) that came.
     """
@@ -67,12 +69,14 @@ class ScenePoses:
         self.moved = set[int]()
         self.keep_rows: Callable[[NDArray[np.int64], NDArray[np.float64]], object] | None = None
         self._longest_gap: float | None = None
+        self.visitors = SceneVisitors(model, clocks, log)
         self.begin_anew()
 
     def begin_anew(self) -> None:
         """Know of no pose: another scene takes the place of this one."""
         clocks = self._clocks
         self.ages = PoseAges(clocks)
+        self.visitors.begin_anew()
         self.feeders, self.senders = Feeders(clocks.steady), Senders(clocks.steady)
         # When [s] a pose of an attached frame was left out last, by the value of its id.
         self._left_out: dict[int, float] = {}
@@ -106,13 +110,21 @@ class ScenePoses:
         feeder: str,
         rows: NDArray[np.float64] | None = None,
         parts: Parts | None = None,
+        named: Collection[int] | None = None,
     ) -> None:
         """Pose frames; ``posed`` says since when these hold.
 
         ``rows`` (n, 7) are what the poses were read from, for who keeps them; ``parts`` are what
-        they were made of, where these have times of their own.
+        they were made of, where these have times of their own. ``named`` are the frames that the
+        messages named, without those that moved along; None: all.
         """
         ids = poses.id_values()
+        if self.visitors.gone_after:
+            self.welcome(ids.tolist() if named is None else named)
+            if absent := self.visitors.absent.intersection(ids.tolist()):
+                poses, posed = _without(absent, poses, posed)
+                rows = None if rows is None else rows[~np.isin(ids, list(absent))]
+                ids = poses.id_values()
         if self.keep_rows is not None and rows is not None:
             self.keep_rows(ids, rows)
         welded = self._model.filter_manager.welded_frames()
@@ -142,9 +154,7 @@ class ScenePoses:
         if not attached:
             return poses, posed
         self.leave_out(map(FrameId, attached))
-        free_poses = {f: poses.value(f) for f in poses.ids() if f.get_value() not in attached}
-        rest = {frames - attached: since for frames, since in posed.items() if frames - attached}
-        return FramePoseVector(free_poses), rest
+        return _without(attached, poses, posed)
 
     def leave_out(self, frames: Iterable[FrameId]) -> None:
         """Note that a pose came for attached frames, which is reported for a while."""
@@ -162,11 +172,38 @@ class ScenePoses:
             'before; its pairs with what is anchored are reported from now on'
         )
 
+    def welcome(self, named: Collection[int]) -> None:
+        """Note which frames a message named; those that were absent come back.
+
+        They, and frames of the same source, wait for a pose from now on.
+        """
+        self.ages.wait(self.visitors.name(named))
+
+    def take_out_silent(self, stale_after: float) -> list[int]:
+        """Take out the frames that come and go, and that no message names; return them.
+
+        None goes before its age is ``stale_after`` [s].
+        """
+
+        def stays(value: int) -> bool:
+            return self.ages.since(value) == ALWAYS  # by a static transform
+
+        gone = self.visitors.leave(stale_after, stays)
+        if gone:
+            self._model.context.UnposeFrames(map(FrameId, gone))
+            self.ages.wait(gone)
+            self.ages.keep(gone, ALWAYS)  # nobody waits for it
+            self._let_go(gone)
+            if self.history is not None:
+                self.history.begin_anew(gone, self._clocks.node())
+            self._rules.measure_again()
+        return gone
+
     def renew(self, posed: PosedFrames) -> None:
         """Note since when frames hold the poses that they have."""
-        attached = self._model.attached
+        fixed = self._model.attached | self.visitors.absent
         stand = {
-            frozenset(f for f in frames - attached if self.ages.since(f) is not None): since
+            frozenset(f for f in frames - fixed if self.ages.since(f) is not None): since
             for frames, since in posed.items()
         }
         stand.pop(frozenset(), None)
@@ -299,6 +336,7 @@ class ScenePoses:
         with_poses = [frame.get_value() for frame in {**loaded.X_PFs, **at_world}]
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self.ages.begin(with_poses, declared)
+        self.visitors.begin(loaded.gone_after)
         for frame in loaded.frames.values():
             if self._model.inspector.IsAttached(frame):
                 self.ages.rest(frame.get_value())
@@ -307,6 +345,7 @@ class ScenePoses:
         """Forget what is known of frames that have gone."""
         gone = [frame.get_value() for frame in frames]
         self.ages.forget(gone)
+        self.visitors.forget(gone)
         self._let_go(gone)
 
     def _let_go(self, frames: Collection[int]) -> None:
@@ -321,6 +360,7 @@ class ScenePoses:
             since = self.since(frame)
             if (
                 since is not None
+                and frame.get_value() not in self.visitors.absent
                 and inspector.GetOwningSourceId(frame) in sources
                 and not inspector.IsAttached(frame)
             ):
@@ -395,6 +435,16 @@ class ScenePoses:
             line = oldest(line, self.since(frame) or ALWAYS)
             frame = self._model.inspector.GetParentFrame(frame)
         return oldest(since, line)
+
+
+def _without(
+    left_out: Collection[int], poses: FramePoseVector, posed: PosedFrames
+) -> tuple[FramePoseVector, PosedFrames]:
+    """Return poses without those of some frames."""
+    free_poses = {f: poses.value(f) for f in poses.ids() if f.get_value() not in left_out}
+    rest = {frames.difference(left_out): since for frames, since in posed.items()}
+    rest.pop(frozenset(), None)
+    return FramePoseVector(free_poses), rest
 
 
 def _stamps(posed: PosedFrames, stamp: TimeMessage, feeder: str) -> dict[int, tuple[int, Since]]:

@@ -67,6 +67,8 @@ class SceneSnapshot:
     has_tracked: bool = False  # the source of tracked bodies is there
     # What attached frames may touch until they are detached, by full names.
     touch_links: Mapping[FrameId, tuple[str, ...]] = field(default_factory=dict)
+    # Seconds after which frames leave, by the values of their ids.
+    gone_after: Mapping[int, float] = field(default_factory=dict)
 
     def description(self) -> SceneDescription:
         """Return the scene: persistent filters included, every frame where it was.
@@ -95,12 +97,14 @@ class SceneSnapshot:
         )
 
     def _frames(self, described: SceneDescription) -> Iterator[FrameDescription]:
-        """Yield the frames, with what they may touch of what is described."""
+        """Yield the frames, with what they may touch, and when they leave."""
         inspector = QueryObject(self.context).inspector()
-        touch_links = {
-            (inspector.GetOwningSourceName(frame), inspector.GetName(frame)): names
-            for frame, names in self.touch_links.items()
-        }
+
+        def label(frame: FrameId) -> tuple[str, str]:
+            return inspector.GetOwningSourceName(frame), inspector.GetName(frame)
+
+        touch_links = {label(frame): names for frame, names in self.touch_links.items()}
+        gone_after = {label(FrameId(value)): s for value, s in self.gone_after.items()}
         there = {
             f'{g.source}::{g.frame}/{g.name}'
             for g in described.geometries
@@ -108,4 +112,7 @@ class SceneSnapshot:
         }
         for frame in described.frames:
             names = touch_links.get((frame.source, frame.name), ())
+            seconds = gone_after.get((frame.source, frame.name))
+            if seconds is not None:  # it is not where it was
+                frame = replace(frame, X_PF=None, static=None, gone_after=seconds)
             yield replace(frame, touch_links=tuple(n for n in names if n in there))

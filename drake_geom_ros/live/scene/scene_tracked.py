@@ -16,7 +16,7 @@ import numpy as np
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import FrameId, GeometryId, Shape, SourceId
 from drake_geom_ros.live.conversions.names import TRACKED
-from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.scene.clocks import Clocks, Heard
 from drake_geom_ros.live.scene.feeds import Feeds
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.math.array_types import Indices
@@ -25,13 +25,6 @@ NAMED_AS_TRACKED = (
     f'the scene has a source {TRACKED!r}, which is what that of tracked bodies is called; give it '
     'another name, or remove it'
 )
-
-
-class Heard(NamedTuple):
-    """The time of a message by the node's clock [s], and the epoch of that clock."""
-
-    epoch: int
-    time: float
 
 
 class TrackedBody(NamedTuple):
@@ -94,7 +87,7 @@ class SceneTracked:
 
     def hear(self, names: Iterable[str], lifetimes: Iterable[float], waited: float) -> None:
         """Note that bodies were named by a message that came ``waited`` [s] ago."""
-        heard = Heard(self._clocks.epoch, self._clocks.node() - waited)
+        heard = self._clocks.heard(waited)
         self._named.update(zip(names, zip(lifetimes, repeat(heard)), strict=True))
 
     def ended(self) -> list[str]:
@@ -103,7 +96,7 @@ class SceneTracked:
         The node's clock counts, by which senders stamp: while simulated time rests, none ends.
         After a jump of that clock lifetimes begin anew.
         """
-        now = Heard(self._clocks.epoch, self._clocks.node())
+        now = self._clocks.heard()
         before_jump = [n for n, (_, heard) in self._named.items() if heard.epoch != now.epoch]
         for name in before_jump:
             self._named[name] = self._named[name][0], now

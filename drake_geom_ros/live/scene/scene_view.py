@@ -93,6 +93,7 @@ class SceneView:
     twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches
     beside: BesideBodies = NOTHING_BESIDE
     stale: Mapping[int, float] = field(default_factory=dict)  # ages [s] of old poses, by frame
+    absent: frozenset[int] = frozenset()  # frames that left, for which nobody waits
     replaced: frozenset[int] = frozenset()  # frames that a question poses, by values of ids
     # Full names of the geometries that attached frames may touch.
     touch_links: Mapping[FrameId, tuple[str, ...]] = field(default_factory=dict)
@@ -133,7 +134,7 @@ class SceneView:
 
     def waiting(self) -> Waiting:
         """Return what an answer leaves out for want of poses."""
-        return waiting(self.query, self.names, self.beside)
+        return waiting(self.query, self.names, self.beside, self.absent)
 
     def reservations(self) -> str:
         """Return in words what an answer leaves out, and which poses it should not be built on."""

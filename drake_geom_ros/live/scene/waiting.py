@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import are, counted
@@ -40,10 +41,17 @@ class Waiting(NamedTuple):
 
 
 def waiting(
-    query: QueryObject, names: NameTable, beside: BesideBodies = NOTHING_BESIDE
+    query: QueryObject,
+    names: NameTable,
+    beside: BesideBodies = NOTHING_BESIDE,
+    absent: Collection[int] = (),
 ) -> Waiting:
-    """Return what waits in the scene of a query object, and what was seen beside bodies."""
-    frames = [names.frame_names[frame] for frame in query.waiting_frames()]
+    """Return what waits in the scene of a query object, and what was seen beside bodies.
+
+    For frames that are ``absent``, by the values of their ids, nobody waits.
+    """
+    waiting_frames = [f for f in query.waiting_frames() if f.get_value() not in absent]
+    frames = [names.frame_names[frame] for frame in waiting_frames]
     if not frames:
         return Waiting([], 0, 0, beside)
     pairs, geometries = query.num_waiting_pairs(), query.num_waiting_geometries()

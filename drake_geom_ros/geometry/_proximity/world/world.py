@@ -108,7 +108,8 @@ class World:
 
     ``pose`` only stores poses. ``update``, or the compiled call of a query, brings the descendants
     of moved frames up to date and leaves the rest alone. A frame that never had a pose *waits* for
-    it, and so do its descendants: their places are unknown, so queries omit them.
+    it, and so do its descendants: their places are unknown, so queries omit them. One that is
+    unposed waits again.
     """
 
     def __init__(self, frames: FrameTable, geometries: GeometryTable) -> None:
@@ -396,7 +397,10 @@ class World:
         self._make_handle()
 
     def pose_as(self, other: World) -> None:
-        """Pose the frames that another world has on the same parents as they are posed there."""
+        """Pose the frames that another world has on the same parents as they are posed there.
+
+        Those that wait there, wait here.
+        """
         _, here, there = np.intersect1d(
             self.frames.ids, other.frames.ids, assume_unique=True, return_indices=True
         )
@@ -408,6 +412,9 @@ class World:
         chosen = (here > 0) & is_same & moved & other._posed[there]
         if chosen.any():
             self.set_poses(here[chosen], R_PFs[chosen], p_PFs[chosen])
+        waiting = (here > 0) & is_same & self._posed[here] & ~other._posed[there]
+        if waiting.any():
+            self.unpose(here[waiting])
 
     def has_frames(self, ids: Indices) -> NDArray[np.bool_]:
         """Return which of the FrameId values are in this world and can be posed."""
@@ -430,6 +437,17 @@ class World:
     def _place(self, rows: Indices) -> None:
         """Mark the frames in ``rows`` (n,) as posed, and the descendants that wait no longer."""
         self._posed[rows] = True
+        self._note_posed()
+
+    def unpose(self, rows: Indices) -> None:
+        """Let the frames in ``rows`` (n,), and what hangs on them, wait for a pose again."""
+        self._apply_pending()
+        self._posed[rows] = False
+        self._note_posed()
+        self.is_stale = True  # an answer of before is none of now
+
+    def _note_posed(self) -> None:
+        """Bring up to date what follows from which frames are posed."""
         self.is_whole = bool(self._posed.all())
         self.placed = self._posed.copy()
         for row, parent in enumerate(self.frames.parents.tolist()):
