@@ -3,9 +3,10 @@
     ./run exec python -m bench.ros.tracked [--bodies 50] [--body-rate 30] [--seconds 20]
 
 Poses of the arms are sent at 100 Hz all the time, the bodies of a tracker in every other turn. No
-body is near an arm, so distances cost the same. The first ratio is of the node's processor time,
-with bodies over without. The second row counts within this process: reading and taking a message
-of bodies, over reading and taking a message of poses with its cycle's distances, medians.
+body is near an arm, so distances cost the same. A turn is measured when the bodies are there, or
+have left. The first row counts within this process: reading and taking a message of bodies, over
+reading and taking a message of poses with its cycle's distances, medians. The second is the ratio
+of the node's processor time, with bodies over without.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from __future__ import annotations
 import argparse
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +39,7 @@ from drake_geom_ros.scene_files import read_scene
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 RATE, TURNS, REACH = 100.0, 4, 0.1
+LIFETIME, SETTLED = 1.0, 2.0  # [s]
 _REPEATS = 300
 
 
@@ -46,7 +49,7 @@ def crowd(count: int, seconds: float) -> TrackedObjects:
     message = TrackedObjects(
         names=[f'person {k}' for k in range(count)],
         shapes=[person] * count,
-        lifetimes=[1.0] * count,
+        lifetimes=[LIFETIME] * count,
     )
     for k in range(count):
         message.poses.extend([50.0 + k + np.sin(seconds + k), 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
@@ -63,12 +66,13 @@ class Tracker:
         self._count, self._rate = count, rate
         self._off = threading.Event()
 
-    def run(self, task: Callable[[], None]) -> None:
-        """Send bodies as long as a task takes."""
+    @contextmanager
+    def sending(self) -> Iterator[None]:
+        """Send bodies meanwhile."""
         self._off.clear()
         thread = threading.Thread(target=self._send)
         thread.start()
-        task()
+        yield
         self._off.set()
         thread.join()
 
@@ -90,14 +94,15 @@ def of_node(played: Played, options: argparse.Namespace) -> float:
             executor.spin_once(timeout_sec=0.1)
         used = {False: 0.0, True: 0.0}
 
-        def play() -> None:
-            stream(executor, route, played, RATE, options.seconds / TURNS / 2)
+        def play(seconds: float) -> None:
+            stream(executor, route, played, RATE, seconds)
 
-        tracker.run(play)  # all is compiled and there
         for turn in range(2 * TURNS):
-            has_bodies, before = bool(turn % 2), processor(node.pid)
-            tracker.run(play) if has_bodies else play()
-            used[has_bodies] += processor(node.pid) - before
+            with tracker.sending() if turn % 2 else nullcontext():
+                play(SETTLED)
+                before = processor(node.pid)
+                play(options.seconds / TURNS / 2)
+                used[bool(turn % 2)] += processor(node.pid) - before
     rclpy.shutdown()
     return used[True] / used[False]
 

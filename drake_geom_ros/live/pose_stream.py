@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Protocol
 
@@ -18,6 +19,8 @@ from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.outputs.cycle import Cycle
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+
+_SOON = 0.02  # [s] poses that come as fast as this have a cycle soon
 
 
 class StreamValues(Protocol):
@@ -76,6 +79,8 @@ class PoseStream:
         self._cycle = cycle
         live.rehearse = self._rehearse
         self._frames, self._seconds = 0, 0.0  # taken since the last cycle, and what that cost
+        # [s] when poses came last, and how long after those before.
+        self._posed_at, self._gap = -math.inf, math.inf
 
     def stop(self) -> None:
         """Run no more cycles; the one that runs ends first."""
@@ -143,6 +148,15 @@ class PoseStream:
         if self._settings.values.rate == 0.0:
             self.cycle_is_due()
 
+    def has_cycle_soon(self) -> bool:
+        """Return whether poses come so fast that the cycle of the next ones is due within 20 ms.
+
+        Tracked bodies that moved share it: a cycle of their own would cost as much again, and be
+        10 ms earlier beside a robot at 100 Hz. Where poses stop that moment, rules are decided by
+        their timer, and the next message of the tracker has its cycle. Any thread may ask.
+        """
+        return self._gap <= _SOON and time.perf_counter() - self._posed_at <= _SOON
+
     def rules_are_due(self) -> None:
         """Decide about proximity rules where no cycle did."""
         with self._live.reading() as scene:
@@ -157,7 +171,9 @@ class PoseStream:
     def _posed(self, scene: HeldScene, frames: int, start: float) -> None:
         """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""
         self._frames += frames
-        self._seconds += time.perf_counter() - start
+        now = time.perf_counter()
+        self._seconds += now - start
+        self._gap, self._posed_at = now - self._posed_at, now
         if self._settings.values.rate == 0.0:
             self._run_cycle(scene)
 

@@ -39,10 +39,11 @@ class TrackedListening:
         groups: CallbackGroups,
         values: NodeParameters,
     ) -> None:
-        """Open the topics; where bodies moved, a cycle runs."""
+        """Open the topics; where bodies moved, a cycle runs, or that of other poses comes soon."""
         self._surface, self._live, self._guard = surface, live, guard
         self._group = groups.tracked
         self._input = TrackedInput(live, SensorFrames(lambda: stream.inputs.tf))
+        self._stream = stream
         self._changed = surface.wake(partial(guard.attempt, stream.map_has_changed), groups.stream)
         objects, markers = TrackedObjectsReader(), MarkerReader()
         row = topics.TRACKED_OBJECTS
@@ -69,8 +70,11 @@ class TrackedListening:
         """Add to a status of diagnostics how many bodies there are, and of which trackers."""
         with self._live.reading() as scene:
             words, troubles = trackers_in_words(scene), scene.tracked.troubles()
+            absent = scene.poses.visitors.in_words()
         for each in words:
             add_values(status, {'tracked': each})
+        if absent:
+            add_values(status, {'absent': absent})
         for trouble in troubles:
             add_trouble(status, trouble)
 
@@ -86,7 +90,8 @@ class TrackedListening:
 
         def take(message: Any, arrival: topics.MessageArrival) -> None:
             self._input.take(read(message, arrival.sender), *arrival, topic)
-            self._changed()
+            if not self._stream.has_cycle_soon():
+                self._changed()
 
         def hear(message: Any, info: MessageInfo) -> None:
             arrival = topics.MessageArrival(waited(info), publisher_of(info))

@@ -51,11 +51,14 @@ class TrackedObjectsReader:
         self._shapes: dict[tuple[Any, ...], Shape] = {}
         # The source of the message and its shapes: see ``serialized_tracked``.
         self._last: tuple[Any, tuple[Shape, ...]] = ((), ())
+        self._last_names: tuple[str, ...] = ()
 
     def read(self, message: Any, files: FileAccess) -> Bodies:
         """Return the bodies of a message; raises RuntimeError for one that is to be refused."""
-        names = tuple(message.names)
-        refuse_names(names)
+        names = tuple(message.names)  # the same one of a sender that repeats them
+        if names is not self._last_names:
+            refuse_names(names)
+            self._last_names = names
         count = len(names)
         _as_many(message.shapes, names, 'shapes')
         source, shapes = self._last

@@ -7,6 +7,7 @@ where that takes long; meanwhile the heartbeat grows old, so rules do not take i
 
 from __future__ import annotations
 
+import operator
 import threading
 from collections.abc import Collection, Sequence
 
@@ -37,6 +38,8 @@ class TrackedInput:
         """``hanging`` finds the frames of headers that are not the world."""
         self._live, self._hanging = live, hanging
         self._lock = threading.Lock()  # one changes bodies at a time; taken before the scene
+        # Names and shapes of the last message, and the bodies of the scene that it was about.
+        self._moved: tuple[object, object, object] = (), (), ()
         with live.editing() as scene:
             scene.tracked.stand = _stand
 
@@ -55,8 +58,7 @@ class TrackedInput:
                 _pose(scene, bodies, since, feed, waited)
 
             with self._live.editing() as scene:
-                changes = _changes(scene, bodies)
-                if not changes:
+                if not self._changes(scene, bodies):
                     pose(scene)
                     return len(bodies.names)
                 shapes = dict(zip(bodies.names, bodies.shapes, strict=True))
@@ -85,6 +87,28 @@ class TrackedInput:
             self._lock.release()
         return len(gone)
 
+    def _changes(self, scene: HeldScene, bodies: Bodies) -> bool:
+        """Return whether bodies come, go or take another shape; raises for too many of them."""
+        tracked = scene.tracked
+        there = tracked.bodies
+        if tracked.heartbeat is None or not bodies.gone.isdisjoint(there) or tracked.ended():
+            return True
+        same = bodies.names, bodies.shapes, there
+        if all(map(operator.is_, same, self._moved)):
+            return False
+        is_same = all(
+            name in there and (there[name].shape is shape or there[name].shape == shape)
+            for name, shape in zip(bodies.names, bodies.shapes, strict=True)
+        )
+        if is_same:
+            self._moved = same
+        elif len(there.keys() | set(bodies.names)) > MOST_BODIES:
+            raise ArgumentError(
+                f'with these there would be more than {MOST_BODIES} tracked bodies; they leave '
+                'when their lifetimes end'
+            )
+        return not is_same
+
     def _in_world(self, bodies: Bodies, waited: float) -> tuple[Bodies, Since]:
         """Return bodies in the world, and since when their poses hold."""
         header, live = bodies.header, self._live
@@ -95,24 +119,6 @@ class TrackedInput:
                 scene.poses.history = PoseHistory()
         moment = moment_of(live, header, waited, self._hanging, lambda *_: ())
         return _moved(bodies, moment.X_WF), moment.since
-
-
-def _changes(scene: HeldScene, bodies: Bodies) -> bool:
-    """Return whether bodies come, go or take another shape; raises for too many of them."""
-    tracked = scene.tracked
-    there = tracked.bodies
-    if tracked.heartbeat is None or not bodies.gone.isdisjoint(there) or tracked.ended():
-        return True
-    is_same = all(
-        name in there and (there[name].shape is shape or there[name].shape == shape)
-        for name, shape in zip(bodies.names, bodies.shapes, strict=True)
-    )
-    if not is_same and len(there.keys() | set(bodies.names)) > MOST_BODIES:
-        raise ArgumentError(
-            f'with these there would be more than {MOST_BODIES} tracked bodies; they leave when '
-            'their lifetimes end'
-        )
-    return not is_same
 
 
 def _leaving(scene: HeldScene, bodies: Bodies) -> list[str]:
