@@ -26,6 +26,7 @@ _TYPES_OF_KEYS = {
     'may_be_empty': (POINT_CLOUD, DEPTH_IMAGE),
     'sensor': (POINT_CLOUD,),
     **dict.fromkeys(('threshold', 'unknown'), (OCCUPANCY_GRID,)),
+    'static': MAPS,
 }
 _NO_KEYS = ('name', 'where', 'paddings')
 _SECTION = 'obstacle_sources'
@@ -41,6 +42,7 @@ class SourceQos(NamedTuple):
 
 
 _USUAL = SourceQos()
+_LATCHED = SourceQos('reliable', 'transient_local')  # as map servers publish
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class ObstacleSource:
     - ``frame``: replaces the ``frame_id`` of its messages.
     - ``sensor``: the frame of the sensor, where its clouds come in another one.
     - ``timeout``: the map is stale from this age on; None: as any pose of the node.
+    - ``static``: a map that holds for good, whatever its stamp.
     - ``required``: whether a rule about the map is stale with it.
     - ``range``: points farther from the sensor are left out.
     - ``keep_hidden``: how long cells in the shadow of a body stay after they were seen last.
@@ -70,6 +73,7 @@ class ObstacleSource:
     frame: str = ''
     sensor: str = ''
     timeout: float | None = None
+    static: bool = False
     required: bool = True
     resolution: float | None = None
     range: float | None = None
@@ -152,6 +156,10 @@ def _source(document: Document, name: str, plain: Mapping[str, Any]) -> Obstacle
         raise document.at(*path, 'extrude').error(
             f'{extrude} must be the lowest and the highest height [m], the first one less'
         )
+    if plain.get('static') and 'timeout' in plain:
+        raise document.at(*path, 'timeout').error(
+            'a static map never grows old; leave out timeout, or static'
+        )
     values = {**plain, 'where': where}
     if box is not None:
         values['box'] = tuple(map(float, box))
@@ -162,6 +170,8 @@ def _source(document: Document, name: str, plain: Mapping[str, Any]) -> Obstacle
         values['paddings'] = tuple(item for item in padding.items() if item[0] != _DEFAULT)
     if 'qos' in plain:
         values['qos'] = SourceQos(**plain['qos'])
+    elif plain.get('static'):
+        values['qos'] = _LATCHED
     return ObstacleSource(name, **values)
 
 

@@ -151,3 +151,25 @@ def test_who_makes_no_maps_says_so(tmp_path, capsys):
     file.write_text(SCENE)
     assert main(['query', str(file), '--what', 'least']) == 0
     assert 'warning: ' in capsys.readouterr().err
+
+
+def test_a_static_map_is_taken_latched_unless_its_policies_say_otherwise():
+    (static,) = obstacle_sources_of_text(
+        '{m: {type: occupancy_grid, topic: /map, static: true}}', 't'
+    )
+    assert static.qos == ('reliable', 'transient_local', None)
+    text = '{m: {type: octomap, topic: /map, static: true, qos: {depth: 2}}}'
+    (own,) = obstacle_sources_of_text(text, 't')
+    assert own.qos == (None, None, 2)
+
+
+@pytest.mark.parametrize(
+    ('keys', 'reason'),
+    [
+        ('type: occupancy_grid, static: true, timeout: 2', 'a static map never grows old'),
+        ('type: laser_scan, static: true', 'static is for octomap, occupancy_grid'),
+    ],
+)
+def test_a_sensor_and_what_grows_old_are_not_static(keys, reason):
+    with pytest.raises(SceneFileError, match=reason):
+        obstacle_sources_of_text(f'{{m: {{topic: /m, {keys}}}}}', 't')

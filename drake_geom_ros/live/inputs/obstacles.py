@@ -39,7 +39,14 @@ from drake_geom_ros.live.scene.feeds import Feed
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import stand
-from drake_geom_ros.live.scene.moments import PATIENCE, Hanging, Model, Moment, moment_of
+from drake_geom_ros.live.scene.moments import (
+    PATIENCE,
+    Hanging,
+    Model,
+    Moment,
+    lasting_moment,
+    moment_of,
+)
 from drake_geom_ros.live.scene.out_of_sight import Sight
 from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
@@ -178,9 +185,7 @@ class ObstacleInput:
     ) -> tuple[Moment, tuple[Floats, Floats]]:
         """Return a moment for the frame S of the source's sensor, and R_SF, p_SF [m]."""
         of_sensor = SimpleNamespace(stamp=header.stamp, frame_id=self.source.sensor)
-        X_WS = moment_of(
-            self._live, of_sensor, waited, self._hanging, lambda *_: (), patience
-        ).X_WF
+        X_WS = moment_of(self._live, of_sensor, waited, self._hanging, _no_bodies, patience).X_WF
         X_SF = X_WS.inverse() @ moment.X_WF
         R_SF, p_SF = np.array(X_SF.rotation().matrix()), np.array(X_SF.translation())
         return moment._replace(X_WF=X_WS), (R_SF, p_SF)
@@ -206,7 +211,7 @@ class ObstacleInput:
         """Return how the frame of a header moved in the time [s] after its stamp."""
         stamp = stamp_after(header.stamp, duration)
         later = SimpleNamespace(stamp=stamp, frame_id=header.frame_id)
-        end = moment_of(self._live, later, waited, self._hanging, lambda *_: (), patience)
+        end = moment_of(self._live, later, waited, self._hanging, _no_bodies, patience)
         X_FE = moment.X_WF.inverse() @ end.X_WF
         if X_FE.IsExactlyIdentity():
             return None
@@ -289,7 +294,10 @@ class ObstacleInput:
         self._refuse_if_removed()
         start, generation, header = time.perf_counter(), self._generation, self._framed(header)
         # Before the map is read, which may take seconds: its stamp is that much older then.
-        moment = moment_of(self._live, header, waited, self._hanging, lambda *_: (), patience)
+        if self.source.static:
+            moment = lasting_moment(self._live, header, self._hanging)
+        else:
+            moment = moment_of(self._live, header, waited, self._hanging, _no_bodies, patience)
         settings = self._settings()
         cells, X_WM, low, high = taken(moment.X_WF, settings)
         in_box = _cells_in_box(cells, X_WM, settings)
@@ -370,6 +378,11 @@ class ObstacleInput:
                 raise ArgumentError(
                     f'its stamp is {behind:.3f} s before that of the map that is there'
                 )
+
+
+def _no_bodies(query: QueryObject, model: Model) -> Collection[FrameId]:
+    """Return no bodies: none of them matters."""
+    return ()
 
 
 def _cells_in_box(cells: Cells, X_WM: RigidTransform, settings: ObstacleSettings) -> Cells:

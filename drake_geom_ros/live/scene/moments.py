@@ -6,6 +6,7 @@ is not known by then is not guessed.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
@@ -101,6 +102,35 @@ def moment_of(
         f'where {moment} was at the stamp of the message is not known: no pose of then or later '
         f'came within {PATIENCE:g} s'
     )
+
+
+def lasting_moment(live: LiveScene, header: Any, hanging: Hanging) -> Moment:
+    """Return the scene of now for what a header's frame holds for good; the stamp has no say.
+
+    Raises ArgumentError for a frame that does not rest in the world.
+    """
+    with live.reading() as scene:
+        place = hanging(scene, header.frame_id, math.inf)  # no moving transform knows that time
+        moving = place if isinstance(place, str) else _moving_below(scene, place[0])
+        if moving or isinstance(place, str):
+            raise ArgumentError(
+                f'the map is static, and its frame {header.frame_id[:80]!r} hangs on {moving}, '
+                'which moves or has no pose: name a frame that rests in the world'
+            )
+        frame, X_PF = place
+        view = scene.view()
+        X_WF = view.query.X_WF(frame) @ X_PF
+        return Moment(view.query, X_WF, ALWAYS, header.stamp, scene.replaced)
+
+
+def _moving_below(scene: HeldScene, frame: FrameId) -> str:
+    """Return the name of a frame, or one that carries it, that does not rest; empty: all do."""
+    names = scene.model.names
+    while frame != names.world:
+        if scene.poses.since(frame) != ALWAYS:
+            return names.frame_names[frame]
+        frame = scene.model.inspector.GetParentFrame(frame)
+    return ''
 
 
 def _look(

@@ -182,3 +182,38 @@ def test_an_octomap_without_leaves_is_refused():
     tree.data = array.array('b')
     with pytest.raises(ArgumentError, match='the tree has no leaves: it shows nothing'):
         node.input.take_octomap(tree)
+
+
+@pytest.mark.parametrize('frame', ['world', 'map'])
+def test_a_static_grid_is_taken_however_old_and_never_grows_old(frame):
+    node = node_of('occupancy_grid', static=True)
+    node.input.take_grid(grid([[0.52, -0.37]], stamp=1.0, frame=frame))
+    assert len(node.centres()) == 1
+    node.clock.now += 1e6
+    assert node.age() == 0.0
+    node.input.take_grid(grid([], stamp=0.5, frame=frame))
+    assert len(node.centres()) == 0, 'another message takes its place, whatever its stamp'
+
+
+def test_a_costmap_that_is_old_is_refused_and_the_one_before_grows_old():
+    node = node_of('occupancy_grid')
+    node.input.take_grid(grid([[0.52, -0.37]]))
+    node.clock.now += 11.0
+    with pytest.raises(ArgumentError, match='at most 10 s are taken'):
+        node.input.take_grid(grid([]))
+    assert len(node.centres()) == 1
+    assert node.age() == 11.0
+
+
+def test_a_static_grid_rests_in_the_world():
+    node = node_of('occupancy_grid', static=True)
+    with pytest.raises(ArgumentError, match="its frame 'arm' hangs on s::arm, which moves"):
+        node.input.take_grid(grid([[0.5, 0.0]], frame='arm'))
+    assert node.centres() is None
+
+
+def test_answers_bear_the_stamp_of_what_moves_and_not_of_a_static_grid():
+    node = node_of('occupancy_grid', static=True)
+    node.input.take_grid(grid([[0.52, -0.37]], stamp=1.0))
+    with node.live.reading() as scene:
+        assert scene.moment().newest_stamp.sec == 100
