@@ -26,6 +26,11 @@ class CellLayer(NamedTuple):
     colour: Colour
 
     @property
+    def is_seen(self) -> bool:
+        """True if the layer has cubes."""
+        return len(self.centres) > 0
+
+    @property
     def key(self) -> tuple[str, str]:
         """The source and the kind."""
         return self.source, self.kind

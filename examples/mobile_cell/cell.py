@@ -41,7 +41,8 @@ from drake_geom_ros.scene_files import read_scene
 STEP = 0.02  # [s]
 EVERY = {'front': 2, 'rear': 2, 'camera': 10, 'tracker': 2}  # steps from one message to the next
 FAULTS = tuple(f'{name} {what}' for name in EVERY for what in ('dies', 'is late'))
-FAULTS += ('front sees only the robot', 'rear sees only the robot', 'tracker alternates')
+FAULTS += tuple(f'{name} alternates' for name in EVERY)
+FAULTS += tuple(f'{name} sees only the robot' for name in ('front', 'rear', 'camera'))
 STALE_AFTER, RESOLUTION, LATE = 0.4, 0.05, 0.7  # [s], [m], [s] by which a late sensor is late
 NOTICED = 0.7  # [s] from a fault on until its rule must be entered
 FASTEST = DRIVE + 0.8  # [m/s] of a point of the robot, its swinging arm included
@@ -169,6 +170,8 @@ class Run:
             message = self._measure(name)
             if has and what == 'is late':
                 self._waiting.append((self.clock.now + LATE, name, message))
+            elif has and what == 'sees only the robot' and name == 'camera':
+                self.cell.hear(name, self.world.depth(self.cell.robot))
             elif has and what == 'sees only the robot':
                 message.ranges = np.full(len(message.ranges), 0.06)
                 self.cell.hear(name, message)
@@ -216,7 +219,9 @@ class Run:
         }
         nearest = {'person': distances['person'], 'obstacle': distances['trolley']}
         since_fault = self.clock.now - self.fault_since
-        if since_fault >= 0.0:
+        # Two drivers of one sensor show the same in turn: nothing is to be late for that.
+        is_harmless = self.fault in ('front alternates', 'rear alternates', 'camera alternates')
+        if since_fault >= 0.0 and not is_harmless:
             rule = 'person' if self.fault.startswith('tracker') else 'obstacle'
             limits[rule] = math.inf if since_fault > NOTICED else 0.0
         for rule, limit in limits.items():

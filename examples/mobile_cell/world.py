@@ -205,9 +205,12 @@ class World:
             time_increment=0.0, scan_time=0.0, intensities=[],
         )  # fmt: skip
 
-    def depth(self):
-        """Return what the camera sees now, by the exact image engine: Image and CameraInfo."""
-        with self.robot.live.reading() as scene:
+    def depth(self, robot=None):
+        """Return what the camera sees now, by the exact image engine: Image and CameraInfo.
+
+        With a ``robot`` of another scene it sees what that scene has.
+        """
+        with (robot or self.robot).live.reading() as scene:
             names, query = scene.model.names, scene.query
             image = query.RenderDepthImage(CAMERA, names.frame('mobile::camera'), RigidTransform())
         depths = np.array(image.data, dtype='<f4').reshape(CAMERA.height, CAMERA.width)

@@ -45,12 +45,28 @@ def test_the_gate_slows_the_base_to_what_is_proved(cell):
     assert slowed, 'no share between rest and the whole command was passed'
 
 
-@pytest.mark.parametrize(
-    'fault', ['front dies', 'rear sees only the robot', 'tracker is late', 'tracker alternates']
-)
+SENSORS = 'front', 'rear', 'camera', 'tracker'
+FAULTS = [f'{sensor} {fault}' for sensor in SENSORS for fault in ('dies', 'is late')]
+FAULTS += [f'{sensor} sees only the robot' for sensor in SENSORS[:3]] + ['tracker alternates']
+
+
+@pytest.mark.parametrize('fault', FAULTS)
 def test_a_fault_stops_the_robot(cell, fault):
-    run = cell.Run(fault).go(2.0, fault_at=0.8)
+    run = cell.Run(fault).go(1.6, fault_at=0.8)
     assert run.late == []
+    assert run.true_stops > 0, 'the referee demanded no stop'
+
+
+@pytest.mark.parametrize('sensor', SENSORS[:3])
+def test_two_drivers_of_a_sensor_hide_nothing(cell, sensor):
+    run = cell.Run(f'{sensor} alternates').go(4.0, fault_at=0.8)
+    assert run.late == []
+    assert run.stopped < run.steps
+
+
+def test_every_fault_of_the_example_is_tried(cell):
+    tried = [*FAULTS, *(f'{sensor} alternates' for sensor in SENSORS[:3])]
+    assert sorted(cell.FAULTS) == sorted(tried)
 
 
 def test_the_referee_sees_a_stop_that_is_late(cell, monkeypatch):

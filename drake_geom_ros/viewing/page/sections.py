@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.viewing.cell_layers import CELL_LAYERS
+from drake_geom_ros.viewing.cell_layers import CELL_LAYERS, CellLayer
 from drake_geom_ros.viewing.looks import PAIR_COLOURS, Colour
 from drake_geom_ros.viewing.page.motion_control import MotionControl, plain_joint
 from drake_geom_ros.viewing.rules import COLOURS
@@ -78,8 +78,16 @@ def sensors_section(moment: ShownMoment) -> dict[str, Any]:
     return {
         'kinds': list(CELL_LAYERS.items()),
         'rows': [[source, counts] for source, counts in sorted(sources.items())],
-        'colours': sorted({(layer.kind, *_bytes(layer.colour)) for layer in moment.cells}),
+        'colours': sorted(
+            {(_in_legend(layer), *_bytes(layer.colour)) for layer in moment.cells if layer.is_seen}
+        ),
     }
+
+
+def _in_legend(layer: CellLayer) -> str:
+    """Return what a layer is called in the legend: cells have a colour by the age of the map."""
+    label = CELL_LAYERS[layer.kind]
+    return f'{layer.source}, {label}' if layer.kind == 'obstacles' else label
 
 
 def tables_section(moment: ShownMoment) -> list[dict[str, Any]]:

@@ -534,6 +534,8 @@ def test_layers_of_maps_are_drawn_and_chosen_by_kind_and_source():
         counts = {'obstacles': 3, 'shadow': 1}
         told = [['front', counts], ['rear', {'obstacles': 3}]]
         wait_for(lambda: (page.board.value('sensors') or {}).get('rows') == told, 'the sources')
+        legend = [text for text, *_ in page.board.value('sensors')['colours']]
+        assert legend == ['front, cells', 'hidden by bodies', 'rear, cells']
         do(page, 'option', name='hidden', value=['sensor front'])
         wait_for(lambda: set(drawn) == {('rear', 'obstacles')}, 'those of the rear one')
         assert drawn['rear', 'obstacles'][1] is rear, 'what did not change is not sent again'
