@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -86,7 +87,7 @@ class _PlainShape:
 
     def __init__(self) -> None:
         self.dimensions: Any = ()
-        self.vertices: Any = ()
+        self.vertices = array.array('d')
         self.triangles: Any = ()
 
 

@@ -51,6 +51,7 @@ from drake_geom_ros.ros.outputs.diagnostics import (
     add_trouble,
 )
 from drake_geom_ros.ros.outputs.rule_points import RulePoints
+from drake_geom_ros.ros.outputs.unlocked import LargePublisher
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.planning_scenes import PlanningScenes, SceneOutput
 from drake_geom_ros.ros.robot_listening import listen_to_robots
@@ -146,7 +147,7 @@ class ConfiguredNode:
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
-            publishers['~/scene'],
+            LargePublisher(publishers['~/scene']),
             messages,
             lambda: node.get_clock().now().to_msg(),
             self._beside['scene'].did,

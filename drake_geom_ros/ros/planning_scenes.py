@@ -15,6 +15,7 @@ from drake_geom_ros.live.outputs.planning_scene import PlanningSceneTopic, Plann
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.message_classes import message_class
+from drake_geom_ros.ros.outputs.unlocked import LargePublisher
 from drake_geom_ros.ros.surface import Surface
 
 GET_PLANNING_SCENE = '/get_planning_scene'
@@ -55,7 +56,7 @@ class PlanningScenes:
         self._is_active = output.is_active
         self._topic = PlanningSceneTopic(
             live,
-            output.publisher,
+            LargePublisher(output.publisher),
             _types(),
             surface.full_name(),
             lambda: taking.taken,

@@ -17,6 +17,7 @@ from drake_geom_ros.live.outputs.geometry_poses import GeometryPoses
 from drake_geom_ros.live.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.live.outputs.stopping_poses import StoppingPoses
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.ros.outputs.unlocked import LargePublisher
 from drake_geom_ros.ros.parameters import ParameterStore
 
 if TYPE_CHECKING:  # a node that is asked for no visualiser loads nothing of it
@@ -63,7 +64,7 @@ class ShownOutputs:
         }
         self._markers = MarkerPublisher(
             live,
-            markers,
+            LargePublisher(markers),
             SimpleNamespace(
                 Marker=Marker, MarkerArray=MarkerArray, Point=Point, ColorRGBA=ColorRGBA
             ),

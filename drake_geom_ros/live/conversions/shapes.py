@@ -23,7 +23,7 @@ from drake_geom_ros.geometry import (
     ShapeKind,
     Sphere,
 )
-from drake_geom_ros.live.conversions.fields import floats, uint32s
+from drake_geom_ros.live.conversions.fields import fill_floats, floats, uint32s
 from drake_geom_ros.live.conversions.file_access import FileAccess
 
 # Shape.type, the class, and the names of its dimensions in the message's order.
@@ -119,7 +119,8 @@ def fill_shape(message: Any, shape: Shape) -> None:
             message.type, size, places = _CELLS, shape.resolution(), shape.centres()
         else:
             message.type, size, places = _POINTS, shape.radius(), shape.positions()
-        message.dimensions, message.vertices = floats(np.array([size])), floats(places)
+        message.dimensions = floats(np.array([size]))
+        fill_floats(message.vertices, places)
         return
     message.type = ShapeKind.CONVEX if isinstance(shape, Convex) else ShapeKind.SOLID
     assert isinstance(shape, (Convex, Mesh)), f'a shape without a number: {shape!r}'
@@ -129,5 +130,5 @@ def fill_shape(message: Any, shape: Shape) -> None:
     if data is None:
         message.mesh_uri = shape.filename()
     else:
-        message.vertices = floats(data.vertices)
+        fill_floats(message.vertices, data.vertices)
         message.triangles = uint32s(data.triangles)

@@ -32,6 +32,21 @@ def publish(publisher: Publisher, message: Any) -> None:
         )
 
 
+class LargePublisher:
+    """A publisher of messages that may be large; for an object that takes any publisher."""
+
+    def __init__(self, publisher: Publisher) -> None:
+        self._publisher = publisher
+
+    def publish(self, message: Any) -> None:
+        """Publish a message as ``publish`` does."""
+        publish(self._publisher, message)
+
+    def get_subscription_count(self) -> int:
+        """Return how many listen."""
+        return int(self._publisher.get_subscription_count())
+
+
 class CMessage:
     """A message as the C message that rcl takes and fills; freed with this object."""
 

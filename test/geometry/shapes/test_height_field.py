@@ -1,5 +1,6 @@
 """Height fields: the solid beneath a terrain, by brute force in 40 digits and by convex prisms."""
 
+import array
 from types import SimpleNamespace
 
 import mpmath
@@ -213,7 +214,7 @@ def test_a_saved_one_is_the_same(count):
 
 def test_a_message_has_its_triangles():
     field = terrain()
-    message = SimpleNamespace()
+    message = SimpleNamespace(vertices=array.array('d'))
     fill_shape(message, field)
     np.testing.assert_array_equal(np.reshape(message.vertices, (-1, 3)), field.surface()[0])
     np.testing.assert_array_equal(np.reshape(message.triangles, (-1, 3)), field.surface()[1])

@@ -1,5 +1,6 @@
 """Shape messages as plain objects: no message class, no ROS."""
 
+import array
 import math
 from types import SimpleNamespace as Plain
 
@@ -96,7 +97,7 @@ def test_meshes_in_the_message_there_and_back(number, scale):
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     volume = np.prod(np.abs(np.broadcast_to(scale, 3))) / 6
     assert (a * np.cross(b - a, c - a)).sum() / 6 == pytest.approx(volume)
-    filled = mesh()
+    filled = mesh(vertices=array.array('d'))
     shapes.fill_shape(filled, shape)
     assert filled.mesh_uri == ''
     assert list(filled.vertices) == TETRAHEDRON

@@ -56,3 +56,13 @@ def test_what_rcl_refuses_is_raised(publisher, monkeypatch):
     monkeypatch.setattr(unlocked, 'of_rcl', lambda name: lambda *addresses: 1)
     with pytest.raises(RuntimeError, match=r'/image was not sent: rcl returned 1'):
         unlocked.publish(publisher, image(1))
+
+
+def test_a_publisher_of_large_messages_is_one(lone_client, publisher):
+    large, came = unlocked.LargePublisher(publisher), []
+    assert large.get_subscription_count() == publisher.get_subscription_count() == 0
+    lone_client.node.create_subscription(Image, publisher.topic_name, came.append, 2)
+    lone_client.wait_for(lambda: large.get_subscription_count() == 1, 'a listener')
+    large.publish(image(7))
+    lone_client.wait_for(lambda: came, 'an image')
+    assert came[0] == image(7)
