@@ -75,7 +75,8 @@ def _is_flat(points: Floats) -> bool:
     centre, squares = points.mean(axis=0), np.zeros((3, 3))
     for first in range(0, len(points), _BLOCK):
         block = points[first : first + _BLOCK] - centre
-        squares += block.T @ block
+        with np.errstate(over='ignore', invalid='ignore'):
+            squares += block.T @ block
     least, _, largest = np.linalg.eigvalsh(squares) if np.isfinite(squares).all() else (0, 0, 0)
     return not least > _CLEAR * largest and len(extent_axes(points)[1]) < 3
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drake_geom_ros.geometry import MeshFileError
+from drake_geom_ros.geometry.meshes import _obj_file
 from drake_geom_ros.geometry.meshes._obj_file import read_obj
 from drake_geom_ros.geometry.meshes._polygons import triangulate
 
@@ -51,6 +52,13 @@ def test_faces_in_all_spellings(tmp_path, faces):
 def test_a_byte_order_mark_hides_no_vertex(tmp_path):
     text = f'\ufeff{SQUARE}f 1 2 3\n'
     assert read(tmp_path, text)[0].tolist() == read(tmp_path, text[1:])[0].tolist()
+
+
+@given(st.text(st.sampled_from('v1 \\#\n\r\v\f\x1c\x85\u2028')), st.integers(0, 5))
+def test_lines_are_those_of_the_whole_text(text, block):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_obj_file, '_BLOCK', block)
+        assert list(_obj_file._lines(text)) == text.splitlines()
 
 
 def test_objects_are_merged(tmp_path):
