@@ -121,8 +121,8 @@ def _keep_candidates(
         return
     arrays.candidates[: len(codes)] = codes
     arrays.numbers[CANDIDATE_COUNT] = len(codes)
-    for name in (CHECKED_AT, PLACINGS):
-        arrays.numbers[name] = before.numbers[name]
+    for place in (CHECKED_AT, PLACINGS):
+        arrays.numbers[place] = before.numbers[place]
     arrays.numbers[VERSION] = -1  # the filters are asked again
     arrays.lengths[[LIST_CUTOFF, ASKED_CUTOFF]] = cutoff
 

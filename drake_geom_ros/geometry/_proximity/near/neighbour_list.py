@@ -72,7 +72,9 @@ class NeighbourList:
 
     arrays: ListArrays
     boxes: tuple[Boxes, Boxes]  # of moving and of resting bodies
-    handles: tuple[Handle, ...]  # of the arrays, of both boxes, and of the filters
+    handles: tuple[
+        Handle, Handle, Handle, Handle
+    ]  # of the arrays, of both boxes, and of the filters
 
     def __init__(
         self, world: World, unlimited: bool = False, former: NeighbourList | None = None
@@ -87,12 +89,12 @@ class NeighbourList:
         none = np.zeros(0, dtype=np.int64)
         if former is not None and n <= len(former.arrays.rows):
             of_bodies = {name: getattr(former.arrays, name) for name in _OF_BODIES}
-            self.boxes, of_boxes = former.boxes, former.handles[1:3]
+            self.boxes, (moving, resting) = former.boxes, former.handles[1:3]
         else:
             room = n + n // ROOM_FOR_MORE
             of_bodies = _room_for_bodies(room)
             self.boxes = room_for(room), room_for(room)
-            of_boxes = tuple(map(handle_of, self.boxes))
+            moving, resting = map(handle_of, self.boxes)
         self.arrays = ListArrays(
             numbers=np.zeros(NUMBERS, dtype=np.int64),
             lengths=np.zeros(LENGTHS),
@@ -114,7 +116,7 @@ class NeighbourList:
         self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
         self._seen_filters: tuple[FilterState | None, int] = None, -1  # with their version
         self._filters = FilterArrays(self.arrays.rows, *FilterState().matrix)
-        self.handles = handle_of(self.arrays), *of_boxes, handle_of(self._filters)
+        self.handles = handle_of(self.arrays), moving, resting, handle_of(self._filters)
 
     def replace(self, **arrays: NDArray[Any]) -> None:
         """Replace arrays by others, which handles of the list then refer to."""
@@ -125,7 +127,8 @@ class NeighbourList:
         self.__dict__.update(state)
         self.arrays = self.arrays._replace(by_grids=BY_GRIDS)  # of this process
         # The arrays of a copy are elsewhere.
-        self.handles = tuple(map(handle_of, (self.arrays, *self.boxes, self._filters)))
+        moving, resting = map(handle_of, self.boxes)
+        self.handles = handle_of(self.arrays), moving, resting, handle_of(self._filters)
 
     @property
     def list_cutoff(self) -> float:

@@ -60,7 +60,7 @@ def handle_of(record: tuple[Any, ...]) -> Handle:
     for (name, dtype, extents), array in zip(_layout(type(record)), record, strict=True):
         fits = array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1 + len(extents)
         sizes = array.shape[1:]
-        varying: Extents = ()
+        varying: tuple[int, ...] = ()
         if sizes != extents:
             extent_pairs = list(zip(extents, sizes, strict=False))
             fits &= all(extent in (None, size) for extent, size in extent_pairs)
