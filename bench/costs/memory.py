@@ -1,10 +1,12 @@
-"""Memory of large shapes: solids by triangle, sensed maps by cell.
+"""Memory of large shapes: solids by triangle, sensed maps by cell, convex hulls of many points.
 
-    ./run exec python -m bench.costs.memory [--triangles 327680] [--cells 8000000]
+    ./run exec python -m bench.costs.memory [--triangles 327680] [--cells 8000000] [--points 1e6]
 
 A solid is a bumpy ball, a map random cells of a grid, a third full. Each is made, registered
 beside a ball, and asked for its distances. Numbers are bytes a triangle or cell of what NumPy and
-Python hold (tracemalloc), without what the caller holds: at the peak, and in the end.
+Python hold (tracemalloc), without what the caller holds: at the peak, and in the end. Hulls are
+of points in a cube, of which few are vertices, and on a ball, of which all are; their numbers are
+megabytes of the process beyond the points (Linux counts them), for most are Qhull's.
 """
 
 from __future__ import annotations
@@ -13,12 +15,14 @@ import argparse
 import gc
 import tracemalloc
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import trimesh
 
 from drake_geom_ros.geometry import (
+    Convex,
     GeometryInstance,
     Mesh,
     MeshData,
@@ -85,11 +89,29 @@ def line(
     )
 
 
+def resident(what: str) -> int:
+    """Return the memory of the process [B]: ``VmRSS`` of now, ``VmHWM`` at the peak."""
+    lines = Path('/proc/self/status').read_text().splitlines()
+    return 1024 * int(next(line for line in lines if line.startswith(what)).split()[1])
+
+
+def hull_line(name: str, points: np.ndarray[Any, Any]) -> None:
+    """Print the memory that the convex hull of points takes beyond them."""
+    mesh = Convex.FromMeshData(MeshData(points))
+    gc.collect()
+    before = resident('VmRSS')
+    Path('/proc/self/clear_refs').write_text('5')  # the peak begins anew
+    corners, _ = mesh.hull_surface()
+    peak = (resident('VmHWM') - before) / 1e6
+    print(f'hull {name} {len(points):10d}: {peak:.0f} MB at the peak, {len(corners)} vertices')
+
+
 def main() -> None:
-    """Print a line for a solid and one for a map."""
+    """Print a line for a solid, one for a map, and two for hulls."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--triangles', type=int, default=327_680)
     parser.add_argument('--cells', type=int, default=8_000_000)
+    parser.add_argument('--points', type=float, default=1e6)
     options = parser.parse_args()
     solid = ProximityProperties()
     solid.AddProperty('mesh', 'solid', True)
@@ -104,6 +126,9 @@ def main() -> None:
     )
     centres = cells(options.cells)
     line('cells', len(centres), lambda: OccupiedCells(CELL, centres), ProximityProperties())
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (int(options.points), 3))
+    hull_line('in a cube', points)
+    hull_line('on a ball', points / np.linalg.norm(points, axis=1)[:, None])
 
 
 if __name__ == '__main__':
