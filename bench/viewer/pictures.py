@@ -110,7 +110,7 @@ def with_node(out: Path) -> None:
         scene.write_text(text + _RULES, encoding='utf-8')
         processes.start(NODE, scene_file=str(scene), max_distance=0.1)
         processes.start(PLAYER, scene_file=str(scene), trajectory_file=MOTION, rate=20.0)
-        processes.start(VIEWER, port=18301, max_distance=0.3)
+        processes.start(VIEWER, port=18301, max_distance=0.2)
         time.sleep(_SETTLING)
         browser = opened('http://127.0.0.1:18301/', *_DESK)
         press(browser, 'to-live')
