@@ -85,6 +85,12 @@ def _warning(head: str, items: Sequence[str]) -> str:
     return f'<div class="warn">{head}<ul>{listed}</ul></div>'
 
 
+def _caption(number: int, moment: Moment) -> str:
+    """Return which moment a picture shows: its pair, distance and time."""
+    pair = f'{moment.name_A} and {moment.name_B}'
+    return escape(f'{number}: {pair}, {1e3 * moment.distance:.1f} mm at {moment.time:.3f} s')
+
+
 def _of_set(run: RunAnalysis, name: str, highlights: Highlights, pictures: Pictures) -> list[str]:
     more = highlights.contact_count - len(highlights.contacts)
     return [
@@ -99,7 +105,8 @@ def _of_set(run: RunAnalysis, name: str, highlights: Highlights, pictures: Pictu
         ),
         *(
             f'<figure><img alt="moment {number}" src="{_data(picture)}">'
-            f'<figcaption>{number}</figcaption></figure>'
+            f'<figcaption>{_caption(number, run.moments[name][number - 1].moment)}</figcaption>'
+            '</figure>'
             for (of, number), picture in sorted(pictures.items())
             if of == name
         ),

@@ -16,7 +16,8 @@ from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 
 MOMENTS = 5  # marked in each set of pairs
-_COLOURED = 8  # pairs with a colour of their own
+# Colours of the commonest pairs, which colour-blind readers tell apart (Okabe and Ito 2008).
+_PALETTE = ('#0072b2', '#e69f00', '#56b4e9', '#d55e00', '#cc79a7', '#8c6d31', '#17a2a2', '#404040')
 _DOTS = 110  # an inch
 _GREY, _OTHERS, _KNOWN = '0.85', '0.35', '0.55'
 _MARGIN = 0.05  # above and below the data, as a fraction of their height
@@ -79,9 +80,10 @@ def _draw_set(
             times[far & whole],
             np.full((far & whole).sum(), top),
             '|',
-            color='tab:blue',
+            color='0.6',
             label=label,
-            ms=5,
+            ms=3,
+            mew=0.5,
         )
     some = ~whole & np.isfinite(distances)
     axes.plot(
@@ -97,7 +99,7 @@ def _draw_set(
     for number, close in enumerate(run.moments[pairs.name][:MOMENTS]):
         at = close.moment.time, close.moment.distance
         axes.plot(*at, 'v', color='black', ms=7, zorder=5)
-        axes.annotate(f'{number + 1}', at, (0, 9), textcoords='offset points', ha='center')
+        axes.annotate(f'{number + 1}', at, (7, 5), textcoords='offset points', ha='left')
     axes.set_ylabel('least distance [m]')
     axes.set_title(plain(pairs.name), loc='left', fontsize='medium')
     axes.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0), frameon=False)
@@ -136,7 +138,7 @@ def _shade_unknown(axes: Any, spans: Sequence[Span]) -> None:
 def _colour_pairs(axes: Any, pairs: SetClearance, states: NDArray[np.int64]) -> None:
     """Draw states in the colours of their pairs, with one colour for rare pairs."""
     a, b = pairs.geometry_A[states].tolist(), pairs.geometry_B[states].tolist()
-    nearest = Counter(zip(a, b, strict=True)).most_common(_COLOURED)
+    nearest = Counter(zip(a, b, strict=True)).most_common(len(_PALETTE))
     left = np.ones(len(states), dtype=np.bool_)
     for k, ((first, second), _) in enumerate(nearest):
         own = (pairs.geometry_A[states] == first) & (pairs.geometry_B[states] == second)
@@ -149,7 +151,7 @@ def _colour_pairs(axes: Any, pairs: SetClearance, states: NDArray[np.int64]) -> 
             pairs.known_distance[at],
             '.',
             ms=3.5,
-            color=f'C{k}',
+            color=_PALETTE[k],
             label=label,
         )
     if left.any():
