@@ -99,7 +99,7 @@ def _draw_set(
     for number, close in enumerate(run.moments[pairs.name][:MOMENTS]):
         at = close.moment.time, close.moment.distance
         axes.plot(*at, 'v', color='black', ms=7, zorder=5)
-        axes.annotate(f'{number + 1}', at, (7, 5), textcoords='offset points', ha='left')
+        axes.annotate(f'{number + 1}', at, (9, -12), textcoords='offset points')
     axes.set_ylabel('least distance [m]')
     axes.set_title(plain(pairs.name), loc='left', fontsize='medium')
     axes.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0), frameon=False)

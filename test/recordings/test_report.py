@@ -79,6 +79,8 @@ def test_a_report_holds_the_figures_of_clearance(tmp_path, run, balls, capsys): 
     said = capsys.readouterr().out
     least = found.least('a:b', allow_incomplete=True)
     assert f'a:b: distance {least.distance:.9g} m' in said
+    caption = f'1: {least.name_A} and {least.name_B}, {1e3 * least.distance:.1f} mm at '
+    assert f'<figcaption>{caption}{least.time:.3f} s</figcaption>' in page
     assert 'not known: 1 gap without data, 4.000 s' in said
 
 
