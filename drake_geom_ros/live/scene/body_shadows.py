@@ -15,7 +15,9 @@ from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
 _STRIDE = 0.25  # [m] of a ray at once at most; bodies farther away are not looked at
 _FINEST = 0.002  # [m] nearness to a body at which a ray counts as blocked, at least
-_MOST_STEPS = 100  # of a ray; one that is not through by then counts as blocked
+_MOST_STEPS = 200  # of a ray; one that is not through by then counts as blocked
+# How far [of the nearness that blocks] a ray may come nearer between two steps, unnoticed.
+_UNNOTICED = 0.05
 
 # Returns, for points (n, 3) [m] within a threshold [m] of bodies, the rows of the points and of
 # the bodies, and lower bounds of the distances [m].
@@ -59,7 +61,7 @@ def are_in_shadow(
             counts = has_shadow[bodies]
             np.minimum.at(gaps, rows[counts], lower[counts])
         in_shadow[rays[gaps <= near]] = True
-        done = done + gaps - 0.5 * near
+        done = done + gaps - (1.0 - _UNNOTICED) * near
         goes_on = (gaps > near) & (done < ends)
         rays, directions, done, ends = (
             rays[goes_on],
