@@ -13,27 +13,24 @@ make_message_wheels() {
   done
 }
 
-# make_message_wheel VERSION DISTRIBUTION: in the environment of this folder's set-up where it has
-# that Python and distribution, otherwise in one of its own, which is made once. Messages are built
-# anew, with introspection, for a middleware that this folder does not use. It runs in a subshell
-# without a sourced distribution, because one process sees one ROS.
+# make_message_wheel VERSION DISTRIBUTION: from the messages of this folder's set-up where it has
+# that Python and distribution, otherwise from an environment of its own, which is made once. It
+# runs in a subshell without a sourced distribution, because one process sees one ROS.
 make_message_wheel() (
   unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH LD_LIBRARY_PATH
   ROS_DISTRO=$2
   compute_keys
-  local key=$packages_key folder=$venv/complete_messages
   if [[ $(describe_python "$venv/bin/python") != "$1".* ]] ||
-    ! stamped "$venv/.stamp-tools" "$packages_key"; then
-    folder=$root/.venv/messages-$2-$1
-    venv=$folder
+    ! stamped "$prefix/.stamp" "$messages_key"; then
+    venv=$root/.venv/messages-$2-$1
+    builds=$venv/build
+    prefix=$venv/install/drake_geom_msgs
+    local key
     key=$({ describe_python "$other_python"; cat "$root"/requirements/{build,core,lock}.txt "$wheels"/*.txt; } | hash)
     (flock 9; step "messages-$2-$1-packages" "$venv/.stamp" "$key" make_message_venv) 9<"$root/run"
+    key=$({ echo "$key"; cd "$root"; contents msg_defs; } | hash)
+    (flock 9; step "messages-$2-$1" "$prefix/.stamp" "$key" build_messages) 9<"$root/run"
   fi
-  builds=$folder/build
-  prefix=$folder/install/drake_geom_msgs
-  introspection=ON
-  key=$({ echo "$key"; cd "$root"; contents msg_defs; } | hash)
-  (flock 9; step "messages-$2-$1" "$prefix/.stamp" "$key" build_messages) 9<"$root/run"
   distribution=$2
   logged "wheel-messages-$2-$1" pack_messages
   say "wheel: $(ls -t "$dist"/drake_geom_msgs_*.whl | head -n 1)"

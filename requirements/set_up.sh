@@ -23,8 +23,6 @@ choose_ros() {
   underlay=$(find_underlay)
   [[ -n $underlay ]] || name=${ROS_DISTRO:-kilted}
   wheels=$root/requirements/$name # the pins of its packages
-  introspection=ON # in messages, by which the middleware of Jazzy registers their types
-  [[ $name != kilted ]] || introspection=OFF
   venv=$root/.venv
   logs=$root/log/setup
   if [[ $name != kilted ]]; then venv+=-$name; logs+=-$name; folder=$venv; fi
@@ -362,7 +360,7 @@ build_messages() {
   local python_only=ON
   # A distribution has C++ nodes and recorders, and other versions of the generators.
   [[ -z $underlay ]] || python_only=OFF
-  build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only -DINTROSPECTION=$introspection
+  build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only
 }
 
 # The messages of TF, of occupancy grids, of OctoMap and of MoveIt, which distributions bring and no wheel; those that
