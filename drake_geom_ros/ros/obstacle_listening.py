@@ -14,6 +14,7 @@ from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, 
 from drake_geom_ros.live.conversions.misread_numbers import refuse_misread_numbers
 from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.lasting_maps import LastingMaps
 from drake_geom_ros.live.inputs.late_messages import LateMessages
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
 from drake_geom_ros.live.inputs.obstacle_sources import (
@@ -70,6 +71,7 @@ from drake_geom_ros.sensed_maps.tree_walk import compile_tree_walk
 
 _GRID = 'nav_msgs/msg/OccupancyGrid'
 _LATE_PERIOD = 0.02  # [s] between two looks whether the poses of maps that wait have come
+_LASTING_PERIOD = 0.1  # [s] between two looks whether frames of static maps were posed elsewhere
 
 
 def _sensed(source: ObstacleSource) -> list[tuple[str, str]]:
@@ -101,7 +103,7 @@ class ObstacleListening:
         self._sources = dict(sources)
         self.inputs = {name: self._input_of(each.source) for name, each in sources.items()}
         self._maps: dict[str, Subscription[Any]] = {}  # of sources that send maps
-        self._late = LateMessages()
+        self._late, self._lasting = LateMessages(), LastingMaps(live, self._hanging)
         self._process: SensingProcess | None = None
         with live.editing() as scene:
             self._follow(scene)
@@ -109,6 +111,8 @@ class ObstacleListening:
                 stand_fed(scene, live.map_sources)
         self._open()
         surface.timer(_LATE_PERIOD, partial(guard.attempt, self._late.retry), self._group)
+        look = partial(guard.take, 'static maps', self._lasting.look)
+        surface.timer(_LASTING_PERIOD, look, self._group)
 
     def add(self, source: ObstacleSource) -> None:
         """Listen to one more source, the map of which waits for its first message.
@@ -281,7 +285,12 @@ class ObstacleListening:
         def hear(message: Any, info: MessageInfo) -> None:
             def attempt() -> None:
                 refuse_misread_numbers(message)
-                take(message, waited(info), publisher_of(info), patience=0.0)
+                attempted = partial(take, message, waited(info), publisher_of(info), patience=0.0)
+                if source.static:
+                    header = its_map.framed(message.header)
+                    self._lasting.take(source.name, header, attempted)
+                else:
+                    attempted()
 
             def refuse(error: Exception) -> None:
                 foreseen = isinstance(error, RuntimeError)

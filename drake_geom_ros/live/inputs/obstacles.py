@@ -153,7 +153,7 @@ class ObstacleInput:
         ``patience`` [s].
         """
         self._refuse_if_removed()
-        header = self._framed(header)
+        header = self.framed(header)
         start, self._begun = time.perf_counter(), None
         generation, settings = self._generation, self._settings()
         which = settings.self_filter
@@ -190,7 +190,7 @@ class ObstacleInput:
         R_SF, p_SF = np.array(X_SF.rotation().matrix()), np.array(X_SF.translation())
         return moment._replace(X_WF=X_WS), (R_SF, p_SF)
 
-    def _framed(self, header: HeaderMessage) -> HeaderMessage:
+    def framed(self, header: HeaderMessage) -> HeaderMessage:
         """Return a header with the frame that the source says, if it does."""
         if not self.source.frame:
             return header
@@ -292,7 +292,7 @@ class ObstacleInput:
     ) -> None:
         """Take a message that is a map, ``taken`` where its frame was."""
         self._refuse_if_removed()
-        start, generation, header = time.perf_counter(), self._generation, self._framed(header)
+        start, generation, header = time.perf_counter(), self._generation, self.framed(header)
         # Before the map is read, which may take seconds: its stamp is that much older then.
         if self.source.static:
             moment = lasting_moment(self._live, header, self._hanging)

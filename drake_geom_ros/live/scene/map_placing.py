@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.names import MAPS
@@ -15,6 +16,7 @@ from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.scene_maps import SeenMap
 from drake_geom_ros.live.scene.waiting_maps import NAMED_AS_MAPS
@@ -55,6 +57,22 @@ def stand_fed(scene: HeldScene, sources: MapSources) -> None:
         if name not in scene.maps.by_name:
             feeder.forget()
             stand(scene, name, sources.margin)
+
+
+def clear_maps(live: LiveScene, names: Sequence[str]) -> int:
+    """Forget maps of the scene, and return how many cells they had; fed ones wait again."""
+    sources = live.map_sources
+    fed = [name for name in names if name in sources.fed]
+    with live.editing() as scene:
+        change = standing_maps(scene, names, fed, sources.margin)
+
+    def first(scene: HeldScene) -> None:
+        for name in fed:
+            sources.fed[name].forget()
+
+    cells = live.change(replace(change, first=first))
+    sources.changed()
+    return cells
 
 
 def sensor_ages(scene: HeldScene) -> dict[str, float]:

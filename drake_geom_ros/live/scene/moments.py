@@ -110,17 +110,21 @@ def lasting_moment(live: LiveScene, header: Any, hanging: Hanging) -> Moment:
     Raises ArgumentError for a frame that does not rest in the world.
     """
     with live.reading() as scene:
-        place = hanging(scene, header.frame_id, math.inf)  # no moving transform knows that time
-        moving = place if isinstance(place, str) else _moving_below(scene, place[0])
-        if moving or isinstance(place, str):
-            raise ArgumentError(
-                f'the map is static, and its frame {header.frame_id[:80]!r} hangs on {moving}, '
-                'which moves or has no pose: name a frame that rests in the world'
-            )
-        frame, X_PF = place
-        view = scene.view()
-        X_WF = view.query.X_WF(frame) @ X_PF
-        return Moment(view.query, X_WF, ALWAYS, header.stamp, scene.replaced)
+        X_WF = resting_pose(scene, header, hanging)
+        return Moment(scene.view().query, X_WF, ALWAYS, header.stamp, scene.replaced)
+
+
+def resting_pose(scene: HeldScene, header: Any, hanging: Hanging) -> RigidTransform:
+    """Return the pose of a header's frame in the world; raises ArgumentError unless it rests."""
+    place = hanging(scene, header.frame_id, math.inf)  # no moving transform knows that time
+    moving = place if isinstance(place, str) else _moving_below(scene, place[0])
+    if moving or isinstance(place, str):
+        raise ArgumentError(
+            f'the map is static, and its frame {header.frame_id[:80]!r} hangs on {moving}, '
+            'which moves or has no pose: name a frame that rests in the world'
+        )
+    frame, X_PF = place
+    return scene.query.X_WF(frame) @ X_PF
 
 
 def _moving_below(scene: HeldScene, frame: FrameId) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.live.scene.map_placing import map_ages
+from drake_geom_ros.live.scene.map_placing import clear_maps, map_ages
 from drake_geom_ros.live.scene.map_sources import FILE
 from drake_geom_ros.live.services.saved_file import MAP_FILE, SavedFile
 from drake_geom_ros.math import RigidTransform
@@ -24,22 +23,13 @@ from drake_geom_ros.sensed_maps.map_files import MapFile
 
 def clear_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     """Forget one map, or all; those that topics feed wait again."""
-    sources = live.map_sources
-    with live.editing() as scene:
+    with live.reading() as scene:
         names = [request.map] if request.map else list(scene.maps.by_name)
         if unknown := [name for name in names if name not in scene.maps.by_name]:
             raise ArgumentError(
                 f'map is {unknown[0][:80]!r}; maps: {", ".join(scene.maps.by_name) or "none"}'
             )
-        fed = [name for name in names if name in sources.fed]
-        change = standing_maps(scene, names, fed, sources.margin)
-
-    def first(scene: HeldScene) -> None:
-        for name in fed:
-            sources.fed[name].forget()
-
-    response.cells = live.change(dataclasses.replace(change, first=first))
-    sources.changed()
+    response.cells = clear_maps(live, names)
 
 
 def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:

@@ -47,7 +47,7 @@ class Node:
         self.changes = 0
         self.name = name = source.name
         self.tf = tf(self.live.clocks) if tf else None
-        frames = SensorFrames(lambda: self.tf)
+        self.frames = frames = SensorFrames(lambda: self.tf)
         self.input = ObstacleInput(
             source,
             self.live,

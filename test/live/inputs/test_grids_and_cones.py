@@ -2,14 +2,19 @@
 
 import array
 import math
+from functools import partial
 from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from live.inputs.sensing_node import Node, cloud, cone, grid
+from live.inputs.sensing_node import Node, cloud, cone, grid, stamp_of
 from live.inputs.test_obstacles import octomap
 
-from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.geometry import ArgumentError, FramePoseVector
+from drake_geom_ros.live.inputs.lasting_maps import LastingMaps
+from drake_geom_ros.live.scene.feeders import MESSAGES
+from drake_geom_ros.live.scene.map_placing import clear_maps
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import ObstacleSource
 from drake_geom_ros.sensed_maps import Cells
@@ -20,6 +25,7 @@ frames:
 - {name: arm, source: s}
 - {name: mast, source: s, pose: {position: [0, 0, 2]}, static: true}
 - {name: map, source: s, pose: {position: [1, 0, 0.5], rpy: [0, 0, 1.5707963]}, static: true}
+- {name: cart, source: s, pose: {position: [1, 0, 0]}}
 - {name: ramp, source: s, pose: {rpy: [0.1, 0, 0]}, static: true}
 geometries:
 - {name: hand, source: s, frame: arm, shape: {type: sphere, radius: 0.1}}
@@ -209,6 +215,57 @@ def test_a_static_grid_rests_in_the_world():
     node = node_of('occupancy_grid', static=True)
     with pytest.raises(ArgumentError, match="its frame 'arm' hangs on s::arm, which moves"):
         node.input.take_grid(grid([[0.5, 0.0]], frame='arm'))
+    assert node.centres() is None
+
+
+def pose(node, name, X):
+    """Pose a frame, by a message."""
+    with node.live.editing() as scene:
+        frame = scene.model.names.frame(name)
+        posed = {frozenset([frame.get_value()]): scene.clocks.arrival().since(100.5)}
+        poses, rows = FramePoseVector({frame: X}), X.ToArray()[np.newaxis]
+        scene.poses.pose(poses, posed, stamp_of(100.5), MESSAGES, rows)
+
+
+def lasting(node, frame):
+    """Return what has the static map of a node follow, with a grid of one cell taken."""
+    maps, message = LastingMaps(node.live, node.frames), grid([[0.52, -0.37]], frame=frame)
+    maps.take('seen', message.header, partial(node.input.take_grid, message))
+    return maps
+
+
+def test_a_static_grid_follows_its_frame_once_that_is_posed_elsewhere():
+    node = node_of('occupancy_grid', static=True)
+    maps = lasting(node, 'map')
+    before, changes = node.centres(), node.changes
+    maps.look()
+    assert node.changes == changes, 'nothing was posed'
+    pose(node, 'map', RigidTransform(RollPitchYaw(0.0, 0.0, 0.5 * np.pi), [3.0, 0.0, 0.5]))
+    maps.look()
+    np.testing.assert_allclose(
+        node.centres(), before + np.array([2.0, 0.0, 0.0]), rtol=0.0, atol=1e-12
+    )
+    assert node.age() == 0.0
+
+
+def test_a_static_grid_waits_once_its_frame_moves():
+    node = node_of('occupancy_grid', static=True)
+    maps = lasting(node, 'cart')  # which the scene file poses, and does not call static
+    pose(node, 'cart', RigidTransform([2.0, 0.0, 0.0]))
+    with pytest.raises(ArgumentError, match="'cart' hangs on s::cart, which moves"):
+        maps.look()
+    assert node.age() == np.inf
+    assert node.pairs()[1] > 0
+    maps.look()
+    assert node.centres() is None, 'it waits for another message'
+
+
+def test_a_static_grid_that_was_cleared_does_not_come_back():
+    node = node_of('occupancy_grid', static=True)
+    maps = lasting(node, 'map')
+    clear_maps(node.live, ['seen'])
+    pose(node, 'map', RigidTransform([3.0, 0.0, 0.5]))
+    maps.look()
     assert node.centres() is None
 
 
