@@ -297,6 +297,7 @@ def test_a_motion_is_played_and_its_least_distance_found():
     with page_of(scene, timeline=timeline) as (page, _):
         # The pen is 0.1 m above the floor, and y - 0.3 m from the ball.
         least = [0.1, 0.1, 0.01, 0.1]
+        wait_for(lambda: page.board.value('timeline') is not None, 'the time line')
         wait_for(lambda: page.board.value('timeline')['least'] == pytest.approx(least), 'the plot')
         do(page, 'least')
         assert page.motion.time == pytest.approx(0.2)
