@@ -121,7 +121,7 @@ def test_every_topic_in_the_table_is_there(minimal, lone_client):
     is_open = {name: row.is_open(NodeParameters()) for name, row in OUTPUTS.items()}
     outputs = {name.replace('~', '/scene_graph') for name, opened in is_open.items() if opened}
     assert outputs <= set(listed)
-    assert len(listed) == 20
+    assert len(listed) == 21
 
     def there():
         topics = dict(lone_client.node.get_topic_names_and_types())

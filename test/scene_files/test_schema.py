@@ -87,7 +87,7 @@ filters:
         (HEAD + GEOMETRY % 'cube',
          "4: geometries[1].shape.type: 'cube' must be one of sphere, box, capsule, cylinder, "
          'ellipsoid, half_space, convex, mesh, height_field, '
-         'occupied_cells, point_cloud'),
+         'occupied_cells, point_cloud, polygon'),
         (HEAD + GEOMETRY % 'box, size: [1, 2]',
          '4: geometries[1].shape.size: has 2 items; 3 are needed'),
         (HEAD + GEOMETRY % 'box, size: [1, 2, 3, 4]',
@@ -105,10 +105,10 @@ filters:
         # What is misspelt is missing too.
         (HEAD + '- {nam: b, shape: {type: half_space}}',
          '4: geometries[1].nam: unknown key; allowed are name, source, frame, pose, shape, '
-         'roles'),
+         'sensor, roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, colour: red}',
          '4: geometries[1].colour: unknown key; allowed are name, source, frame, pose, shape, '
-         'roles'),
+         'sensor, roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, pose: {rpy: [0, 0, 0], '
          'quaternion: [0, 0, 0, 1]}}',
          '4: geometries[1].pose: give one of rpy, quaternion, rotation'),
