@@ -5,13 +5,19 @@ Nothing names the machine or its owner.
 
 from __future__ import annotations
 
+import csv
 import os
 import platform
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 from truth import peers
+
+# M. Okabe and K. Ito, *Color Universal Design*: distinct in all common colour blindness.
+PALETTE = ('#0072b2', '#e69f00', '#56b4e9', '#d55e00', '#404040')
 
 
 def table(
@@ -22,6 +28,16 @@ def table(
     marks = ['---'] * (len(headings) - right) + ['---:'] * right
     lines = (headings, marks, *rows)
     return ''.join(f'| {" | ".join(map(str, line))} |\n' for line in lines)
+
+
+def write_rows(path: Path, rows: Sequence[Any]) -> None:
+    """Write records to a CSV file, with six digits of a float."""
+    with path.open('w', newline='') as file:
+        writer = csv.DictWriter(file, fieldnames=list(asdict(rows[0])), lineterminator='\n')
+        writer.writeheader()
+        for row in rows:
+            items = asdict(row).items()
+            writer.writerow({k: f'{v:.6g}' if isinstance(v, float) else v for k, v in items})
 
 
 def legend_below(figure: Any, columns: int) -> None:

@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-from matplotlib import pyplot
+from matplotlib import patheffects, pyplot
 
 from bench.accuracy.results import OURS, Measured
 from bench.accuracy.tables import LEVELS_PICTURE, QUERY_TITLES, by_family
-from bench.pages import legend_below
+from bench.pages import PALETTE, legend_below
 from truth.judging.asking import LEVELS, QUERIES
 
 matplotlib.use('Agg')
 
-BLUE = '#1f5fb4'
-COLOURS = {'pydrake': '#d1495b', 'python-fcl': '#8a6d3b', 'Coal': '#2e8b57', 'MuJoCo': '#8e44ad'}
+BLUE, AMBER, SKY, ORANGE, DARK = PALETTE
+COLOURS = {'pydrake': ORANGE, 'python-fcl': AMBER, 'Coal': SKY, 'MuJoCo': DARK}
 MARKS = ('o', 's', '^', 'D', 'v', 'P')
 SPARE = '#444444'  # of a peer without a colour of its own
 MOST_DRAWN = 10.0  # [m] larger than any body and any gap
@@ -34,7 +34,7 @@ CHOSEN = (
 STYLES = dict(
     zip(
         LEVELS,
-        (('#999999', 's'), ('#d9822b', '^'), ('#2e8b57', 'D'), ('#1f5fb4', 'o')),
+        (('#999999', 's'), (ORANGE, '^'), (SKY, 'D'), (BLUE, 'o')),
         strict=True,
     )
 )
@@ -140,7 +140,7 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
             ha='right',
             fontsize=9,
             color=BLUE,
-            bbox={'facecolor': 'white', 'edgecolor': 'none', 'alpha': 0.7, 'pad': 0.5},
+            path_effects=[patheffects.withStroke(linewidth=2.5, foreground='white')],
         )
 
 

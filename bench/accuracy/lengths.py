@@ -3,31 +3,27 @@
 ::
 
     python -m bench.accuracy.lengths --pairs 40     # docs/accuracy/lengths.md
+    python -m bench.redraw                          # its picture
 
-Accuracies and Coal take turns on each pair; the times are of the processor, one thread.
+Accuracies and peers take turns on each pair; the times are of the processor, one thread.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import time
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
-import matplotlib
 import numpy as np
-from matplotlib import pyplot
 
+from bench.accuracy.results import OURS
 from bench.batches.ours import ROOT
-from bench.pages import description, table, three, versions
+from bench.pages import description, table, three, versions, write_rows
 from drake_geom_ros.cross_check.bodies import Body
 from truth.bodies.mesh_bodies import mesh_body
 from truth.bodies.random_bodies import random_body, random_directions, random_rotation
 from truth.judging.asking import PairScene
-from truth.peers.coal_peer import CoalPeer
-
-matplotlib.use('Agg')
+from truth.peers import registry
 
 OUT = ROOT / 'docs/accuracy'
 LENGTHS = (1e-9, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)  # [m]
@@ -39,17 +35,20 @@ FAMILIES = {
     'hulls, 500 vertices': ('Convex', 500),
     'cylinders': ('Cylinder', 0),
 }
+OF_TRIANGLES = ('python-fcl', 'Coal')  # peers that take a mesh as its triangles
+OF_SHAPES = ('pydrake', 'python-fcl', 'Coal', 'MuJoCo')
 
 
 @dataclass(frozen=True)
 class Row:
-    """The distances of a family at one accuracy [m], or Coal's, with an accuracy of 0."""
+    """The distances of a family at one accuracy [m], or a peer's, with an accuracy of 0."""
 
     family: str
+    library: str
     accuracy: float
     microseconds: float  # median of a query
     mean: float
-    error_bound: float  # [m] at most, Coal: the largest difference from the gap
+    error_bound: float  # [m] at most; of a peer, the largest difference from the gap
 
 
 def bodies(name: str, size: int, rng: np.random.Generator) -> tuple[Body, Body]:
@@ -65,8 +64,10 @@ def measure(family: str, pairs: int) -> list[Row]:
     rng = np.random.default_rng(0)
     a, b = bodies(name, size, rng)
     scene = PairScene(a, b)
-    coal = CoalPeer(None).pair('signed_distance', a.shape, b.shape)
-    seconds, bounds = np.empty((pairs, len(LENGTHS) + 1)), np.empty((pairs, len(LENGTHS) + 1))
+    names = [x for x in _peers_of(name) if x in registry.installed()]
+    peers = [registry.load(x).pair('signed_distance', a.shape, b.shape) for x in names]
+    ways = len(LENGTHS) + len(peers)
+    seconds, bounds = np.empty((pairs, ways)), np.empty((pairs, ways))
     for k in range(-1, pairs):  # the first pair only compiles
         a = a.placed(random_rotation(rng), np.zeros(3))
         b = b.placed(random_rotation(rng), 0.5 * random_directions(rng, 1)[0])
@@ -80,48 +81,24 @@ def measure(family: str, pairs: int) -> list[Row]:
             found = scene.query.ComputeSignedDistancePairwiseClosestPoints(accuracy=LENGTHS[m])
             seconds[k, m] = time.thread_time() - begun
             bounds[k, m] = found.error_bound[0]
-        begun = time.thread_time()
-        answer = coal(a.pose, b.pose)
-        seconds[k, -1] = time.thread_time() - begun
-        bounds[k, -1] = abs(answer.distance - gap) if answer is not None else np.nan
+        for m, peer in enumerate(peers, start=len(LENGTHS)):
+            begun = time.thread_time()
+            answer = peer(a.pose, b.pose)
+            seconds[k, m] = time.thread_time() - begun
+            bounds[k, m] = abs(answer.distance - gap) if answer is not None else np.nan
+    rows = [(OURS, length) for length in LENGTHS] + [(x, 0.0) for x in names]
     return [
         Row(
-            *(family, length, 1e6 * float(np.median(seconds[:, m]))),
+            *(family, library, length, 1e6 * float(np.median(seconds[:, m]))),
             *(1e6 * float(seconds[:, m].mean()), float(np.nanmax(bounds[:, m]))),
         )
-        for m, length in enumerate((*LENGTHS, 0.0))
+        for m, (library, length) in enumerate(rows)
     ]
 
 
-def draw(rows: list[Row], path: Path) -> None:
-    """Write the picture: a line a family, Coal as points at its largest error."""
-    figure, axes = pyplot.subplots(figsize=(8.0, 5.0), layout='constrained')
-    for family in FAMILIES:
-        ours = [row for row in rows if row.family == family and row.accuracy > 0.0]
-        (line,) = axes.plot(
-            [row.accuracy for row in ours],
-            [row.microseconds for row in ours],
-            'o-',
-            label=family,
-        )
-        coal = next(row for row in rows if row.family == family and row.accuracy == 0.0)
-        axes.plot(
-            np.clip(coal.error_bound, LENGTHS[0], LENGTHS[-1]),
-            coal.microseconds,
-            '*',
-            color=line.get_color(),
-            markersize=12,
-        )
-    axes.set_xscale('log')
-    axes.set_yscale('log')
-    axes.set_xlabel(
-        'accuracy that is wanted [m]; stars: Coal, at its largest difference from ours'
-    )
-    axes.set_ylabel('time of a distance, median [us]')
-    axes.legend(frameon=False)
-    axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+def _peers_of(name: str) -> tuple[str, ...]:
+    """Return the peers that measure the bodies of a kind, and not their hulls."""
+    return OF_TRIANGLES if name in ('Ball', 'L') else OF_SHAPES
 
 
 _PAGE = """# What an accuracy costs
@@ -129,17 +106,21 @@ _PAGE = """# What an accuracy costs
 Generated by `python -m bench.accuracy.lengths --pairs {pairs}`; each row is a line of
 [lengths.csv](lengths.csv).
 
-![Time by the accuracy that is wanted](lengths.png)
+![Time by the accuracy that is wanted](overview.png)
 
 Two bodies of about 0.2 m stand apart by {nearest} to {farthest} m, in {pairs} random orientations.
-Each pair is asked for its distance at all accuracies in random order, then Coal is. Times are of
-the processor, one thread, of one call from Python; *gain* is the time at 1e-9 m over that at the
-accuracy, by medians and by means: above 1 is faster. *Bound* is the largest `error_bound`; for
-Coal it is the largest difference from the gap, which it takes from the same triangles.
+Each pair is asked for its distance at all accuracies in random order, then peers are, with their
+own settings. Times are of the processor, one thread, of one call from Python; *gain* is the time
+at 1e-9 m over that at the accuracy, by medians and by means: above 1 is faster. *Bound* is the
+largest `error_bound`; of a peer it is the largest difference from the gap at which the bodies were
+placed. Solids are compared with peers that take the same triangles; others take their hulls.
 
-Only pairs of two solids gain: at 1 mm what discs around their triangles do not decide is looked
-at, and from 1 cm on almost nothing is. Where triangles are much larger than the accuracy, the
-kernel of `exact` answers. Other shapes take the same time at every accuracy.
+Pairs of two solids gain from 1 mm on, where discs around their triangles decide most, and from 1
+cm on almost nothing else is looked at. Where triangles are much larger than the accuracy, the
+kernel of `exact` answers. Other shapes take the same time at every accuracy, hulls of 500 vertices
+too.
+
+The right panel is of two arms ([arms](arms.md)): all distances up to 0.2 m of a state.
 
 {table}
 
@@ -148,27 +129,19 @@ Machine: {machine}. Versions: {versions}.
 
 
 def main() -> None:
-    """Write the rows, the picture and the page."""
+    """Write the rows and the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--pairs', type=int, default=40)
     pairs = parser.parse_args().pairs
     rows = [row for family in FAMILIES for row in measure(family, pairs)]
-    with (OUT / 'lengths.csv').open('w', newline='') as file:
-        writer = csv.DictWriter(file, fieldnames=list(asdict(rows[0])), lineterminator='\n')
-        writer.writeheader()
-        for row in rows:
-            values = asdict(row)
-            writer.writerow(
-                {k: f'{v:.6g}' if isinstance(v, float) else v for k, v in values.items()}
-            )
-    draw(rows, OUT / 'lengths.png')
+    write_rows(OUT / 'lengths.csv', rows)
     lines = []
     for row in rows:
         first = next(r for r in rows if r.family == row.family)
         gains = first.microseconds / row.microseconds, first.mean / row.mean
         lines.append(
             (
-                *(row.family, f'{row.accuracy:g}' if row.accuracy else 'Coal'),
+                *(row.family, f'{row.accuracy:g}' if row.accuracy else row.library),
                 *(three(row.microseconds), three(row.mean), f'{row.error_bound:.1e}'),
                 *(f'{gain:.2g}' for gain in gains),
             )
@@ -183,7 +156,7 @@ def main() -> None:
         farthest=FARTHEST,
         table=table(heads, lines, left=1).rstrip(),
         machine=description(),
-        versions=', '.join(f'{name} {of}' for name, of in versions(['Coal']).items()),
+        versions=', '.join(f'{name} {of}' for name, of in versions(registry.installed()).items()),
     )
     (OUT / 'lengths.md').write_text(text)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.accuracy import diagrams
+from bench.accuracy import diagrams, overview
 from bench.accuracy.cases import (
     QUICK_RESOLUTIONS,
     PairSubject,
@@ -163,6 +163,8 @@ def write(
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(records, folder / 'measurements.csv')
     pictures = draw_levels(records, folder) + diagrams.draw(records, folder)
+    if (folder / overview.PICTURE).exists():  # drawn from other measurements
+        pictures.append(overview.PICTURE)
     (folder / 'README.md').write_text(readme(records, told, pictures), encoding='utf-8')
     say(f'{folder}: README.md, measurements.csv, {", ".join(pictures)}')
 

@@ -8,11 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.accuracy import overview
 from bench.accuracy.results import OURS, Measured, Setting
 from bench.pages import table, three
 from truth.judging.asking import LEVELS, QUERIES
 
 LEVELS_PICTURE = 'levels.png'
+OVERVIEW = f"""![Time over the accuracy that is wanted]({overview.PICTURE})
+
+[What an accuracy costs](lengths.md) has the figures of pairs and peers, [two arms](arms.md) those
+of arms: `python -m bench.redraw` draws both.
+"""
 QUERY_TITLES = {
     'signed_distance': 'Signed distance',
     'penetration': 'Penetration',
@@ -62,7 +68,10 @@ TITLE = '# Accuracy, and what it costs'  # by which a file of before is known
 def readme(records: Sequence[Measured], told: Circumstances, pictures: Sequence[str]) -> str:
     """Return the text of README.md."""
     families = by_family(records)
-    parts = [f'{TITLE}\n\n{choice(families)}\n']
+    parts = [f'{TITLE}\n']
+    if overview.PICTURE in pictures:
+        parts.append(OVERVIEW)
+    parts.append(f'{choice(families)}\n')
     if LEVELS_PICTURE in pictures:
         parts.append(f'![Time and error of each accuracy level]({LEVELS_PICTURE})\n')
     parts += [_certificates(records), _beginning(told)]

@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from bench.pages import PALETTE
+
 BLOCKS = (10_000, 100_000)  # states a task
 LINKS = {'1 Gbit/s': 117e6, '10 Gbit/s': 1170e6}  # bytes a second that get through
 MOST = 2000  # workers
@@ -29,23 +31,24 @@ def main() -> None:
     given = parser.parse_args()
     one = 1e6 / given.microseconds  # states a second
     workers = np.geomspace(1, MOST, 200)
-    figure = Figure(figsize=(7.0, 4.5), layout='constrained')
+    figure = Figure(figsize=(7.0, 5.0), layout='constrained')
     axes = figure.add_subplot()
     axes.plot(workers, workers * one, 'k', label=f'workers: {one:,.0f} states/s each')
     limits = {
         **{f'scheduler, {size:,} states a task': 1e3 * size / given.task for size in BLOCKS},
         **{f'link of {name}': speed / given.bytes for name, speed in LINKS.items()},
     }
-    styles = ('tab:red', 'tab:orange', 'tab:blue', 'tab:cyan')
-    for (name, speed), colour in zip(limits.items(), styles, strict=True):
+    blue, *_, orange, _ = PALETTE
+    styles = ((orange, '--'), (orange, ':'), (blue, '--'), (blue, ':'))
+    for (name, speed), (colour, line) in zip(limits.items(), styles, strict=True):
         axes.axhline(
-            speed, color=colour, linestyle='--', label=f'{name}: {speed / one:.0f} workers'
+            speed, color=colour, linestyle=line, label=f'{name}: {speed / one:.0f} workers'
         )
         print(f'{name}: {speed:,.0f} states a second, met at {speed / one:.0f} workers')
     axes.set(xscale='log', yscale='log', xlabel='workers', ylabel='states a second')
-    axes.set_title('least distances of two arms: a batch is as fast as its lowest line')
+    axes.set_title('Minimum distances of two arms: the lowest line limits a batch')
     axes.grid(which='both', alpha=0.3)
-    axes.legend(loc='lower right')
+    figure.legend(loc='outside lower center', ncols=2)
     figure.savefig(given.out, dpi=110)
 
 

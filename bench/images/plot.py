@@ -11,6 +11,10 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from bench.pages import PALETTE
+
+BLUE, _, SKY, ORANGE, DARK = PALETTE
+
 _LABELS = {
     'exact': 'MakeRenderEngineExact, one pass',
     'VTK': 'MakeRenderEngineVtk',
@@ -18,6 +22,7 @@ _LABELS = {
     'moderngl': 'moderngl, tessellated',
 }
 _STYLES = {'exact': 'o-', 'VTK': 's--', 'pydrake': '^:', 'moderngl': 'd-.'}
+_COLOURS = dict(zip(_LABELS, (BLUE, SKY, ORANGE, DARK), strict=True))
 _TITLES = {
     'pixels': 'pixels (arms and table)',
     'primitives': 'primitives (640 x 480)',
@@ -35,7 +40,11 @@ def draw(source: Path, target: Path) -> None:
         for name, label in _LABELS.items():
             if told := found.get(name, {}).get(what):
                 axes.loglog(
-                    [int(count) for count in told], list(told.values()), _STYLES[name], label=label
+                    [int(count) for count in told],
+                    list(told.values()),
+                    _STYLES[name],
+                    color=_COLOURS[name],
+                    label=label,
                 )
         axes.set_xlabel(title)
         axes.grid(visible=True, which='major', alpha=0.3)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from bench.batches.ours import ROOT
 from bench.maps.scenes import sheet
-from bench.pages import table, three
+from bench.pages import table, three, write_rows
 from drake_geom_ros.geometry import (
     Box,
     FramePoseVector,
@@ -191,10 +190,7 @@ run: compare them.
 def run() -> None:
     """Write the rows, the picture and the page."""
     count, rows = measure()
-    with (OUT / 'maps.csv').open('w', newline='') as file:
-        writer = csv.DictWriter(file, fieldnames=list(asdict(rows[0])), lineterminator='\n')
-        writer.writeheader()
-        writer.writerows([{k: _short(v) for k, v in asdict(row).items()} for row in rows])
+    write_rows(OUT / 'maps.csv', rows)
     draw(rows, OUT / 'maps.png')
     heads = (
         *('shape', 'edge or diameter [m]', 'cells', 'nearer, mean [mm]', 'at most'),
@@ -210,7 +206,3 @@ def run() -> None:
     ]
     text = _PAGE.format(step=_STEP, count=count, table=table(heads, lines).rstrip())
     (OUT / 'maps.md').write_text(text)
-
-
-def _short(value: object) -> object:
-    return f'{value:.6g}' if isinstance(value, float) else value

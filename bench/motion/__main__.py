@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import argparse
 
-from bench.motion import arms, costs, hunt, stops, trajectories
+from bench.motion import arms, hunt, stops, trajectories
 
 
 def main() -> None:
@@ -48,7 +48,9 @@ def main() -> None:
     if options.command == 'trajectories':
         raise SystemExit(trajectories.run(options.count, options.seed))
     if options.command == 'costs':
-        costs.run(options.edges)
+        from bench.motion import costs_page  # needs matplotlib
+
+        costs_page.run(options.edges)
     elif options.command == 'pairs':
         from bench.motion import pairs  # needs python-fcl and tesseract-robotics
 

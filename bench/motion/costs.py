@@ -140,17 +140,6 @@ def write_csv(costs: list[Cost], path: Path) -> None:
             writer.writerow([f'{v:.6g}' if isinstance(v, float) else v for v in astuple(cost)])
 
 
-def run(edges: int, folder: Path = FOLDER) -> None:
-    """Measure, and write the page, its table for programs and its picture."""
-    from bench.motion.costs_page import draw, page
-
-    costs = measured(edges)
-    write_csv(costs, folder / 'motions.csv')
-    draw(costs, folder / 'motions.png')
-    (folder / 'motions.md').write_text(page(costs, edges), encoding='utf-8')
-    print(f'{folder}: motions.md, motions.csv, motions.png')
-
-
 def column(costs: list[Cost], name: str) -> Floats:
     """Return one field of some checks."""
     return np.array([getattr(cost, name) for cost in costs])

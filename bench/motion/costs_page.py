@@ -9,14 +9,24 @@ import matplotlib
 import numpy as np
 from matplotlib import pyplot
 
-from bench.motion.costs import Cost, column
-from bench.pages import description, table, three, versions
+from bench.motion.costs import FOLDER, Cost, column, measured, write_csv
+from bench.pages import PALETTE, description, table, three, versions
 
 matplotlib.use('Agg')
 
-COLOURS = ('#1f5fb4', '#d9822b', '#2e8b57', '#8e44ad')
+BLUE, _, SKY, ORANGE, DARK = PALETTE
+COLOURS = (BLUE, ORANGE, SKY, DARK)
 MARKS = ('o', 's', '^', 'D')
 SCENES = ('two arms', 'a rod among wires')
+
+
+def run(edges: int, folder: Path = FOLDER) -> None:
+    """Measure, and write the page, its table for programs and its picture."""
+    costs = measured(edges)
+    write_csv(costs, folder / 'motions.csv')
+    draw(costs, folder / 'motions.png')
+    (folder / 'motions.md').write_text(page(costs, edges), encoding='utf-8')
+    print(f'{folder}: motions.md, motions.csv, motions.png')
 
 
 def some(costs: list[Cost], **fields: Any) -> list[Cost]:
@@ -41,8 +51,8 @@ def draw(costs: list[Cost], path: Path) -> None:
         _by_tolerance(panel, costs, setting)
         panel.set_xlabel(f'{setting}{unit}')
         panel.set_ylabel('time of a check [us]: mean, and 5 % to 95 %')
-    axes[1, 0].set_title('edges in contact: how narrow the first contact is told')
-    axes[1, 1].set_title('clear edges: how close the bound is to what was seen')
+    axes[1, 0].set_title('edges in contact: time to find the first contact')
+    axes[1, 1].set_title('clear edges: time for a tight lower bound')
     figure.savefig(path, dpi=110)
     pyplot.close(figure)
 

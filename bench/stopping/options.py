@@ -134,7 +134,7 @@ def write(folder: Path) -> None:
         lines = csv.writer(file, lineterminator='\n')
         lines.writerow(Row._fields)
         lines.writerows((r.varied, r.value, *(f'{x:.4g}' for x in r[2:])) for r in rows)
-    _plot(rows, folder / 'stopping_options.png')
+    draw(rows, folder / 'stopping_options.png')
     (folder / 'stopping_options.md').write_text(_page(rows))
 
 
@@ -160,8 +160,9 @@ def _page(rows: list[Row]) -> str:
     )
 
 
-def _plot(rows: list[Row], target: Path) -> None:
-    figure, panels = plt.subplots(2, 3, figsize=(9.0, 4.2), layout='constrained', sharex='col')
+def draw(rows: list[Row], target: Path) -> None:
+    """Write the picture: lost speed above, time below, a column for each option."""
+    figure, panels = plt.subplots(2, 3, figsize=(9.5, 4.4), layout='constrained', sharex='col')
     for column, varied in zip(panels.T, _VARIED, strict=True):
         some = [row for row in rows if row.varied == varied]
         values = [row.value for row in some]
@@ -171,6 +172,7 @@ def _plot(rows: list[Row], target: Path) -> None:
         column[0].set_ylim(0.0, 1.05 * max(row.lost for row in rows))
         column[1].set_ylim(0.0, 1.1 * max(row.p99_ms for row in rows))
         column[1].set_xlabel(_WORDS[varied])
+        column[1].tick_params(axis='x', labelsize=9)
     panels[0, 0].set_ylabel('lost speed [%]')
     panels[1, 0].set_ylabel('time [ms]:\nmedian, p99 (dotted)')
     figure.savefig(target, dpi=110)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import gc
 import importlib
 import os
@@ -10,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ import numpy as np
 from matplotlib import pyplot
 from numpy.typing import NDArray
 
-from bench.pages import description, legend_below, table, three, versions
+from bench.pages import description, legend_below, table, three, versions, write_rows
 from truth.bodies.random_bodies import random_rotation
 from truth.surfaces.closed_forms import (
     DEPTH,
@@ -317,10 +316,7 @@ def run() -> None:
             rows += measured(name, hint, memory)
             for row in rows[-2:]:
                 print(row)
-    with (OUT / 'surfaces.csv').open('w', newline='') as file:
-        writer = csv.DictWriter(file, fieldnames=list(asdict(rows[0])), lineterminator='\n')
-        writer.writeheader()
-        writer.writerows([{k: _short(v) for k, v in asdict(row).items()} for row in rows])
+    write_rows(OUT / 'surfaces.csv', rows)
     draw(rows, OUT / 'surfaces.png')
     heads = (
         *('scene', 'package', 'hint [mm]', 'elements', 'polygons', 'area', 'force'),
@@ -350,7 +346,3 @@ def run() -> None:
 def _part(value: float) -> str:
     """Return an error as a part of the truth, in words a table has room for."""
     return '< 1e-12' if value < 1e-12 else f'{100.0 * value:.2g} %'
-
-
-def _short(value: object) -> object:
-    return f'{value:.6g}' if isinstance(value, float) else value

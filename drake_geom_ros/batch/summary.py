@@ -131,5 +131,6 @@ class Summary:
         axes.set_xlabel('certified lower bound of the signed distance [m]')
         axes.set_ylabel('number of states' if self.states == len(lower) else 'number')
         axes.set_title(title)
-        axes.legend()
+        axes.margins(y=0.25)  # room for the legend
+        axes.legend(loc='upper left')
         figure.savefig(path, dpi=120)

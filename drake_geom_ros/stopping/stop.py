@@ -91,6 +91,8 @@ def unproved(trouble: str) -> Stop:
 
 def worse(stop: Stop, other: Stop) -> Stop:
     """Return the answer about the pairs of two answers together: that with the smaller scale."""
+    if stop is FREE:
+        return other
     first, second = sorted((stop, other), key=_goodness)
     return first._replace(
         clear=stop.clear and other.clear,

@@ -93,13 +93,9 @@ class StoppingCheck:
         robot's state count as reaction time. ``find_unmapped`` returns what else is near; it is
         called once, with the distance [m] from which on nothing can matter.
         """
-        if not self._motions.is_of_now(self._context):
-            if self._posed.take_shapes():
-                self._travel.forget()
-            else:
-                self._prepare()
+        self._follow_scene()
         moment = self._moment(states, ages, delay)
-        stops = [each.stop(moment, self._prepared, self._most) for each in self._prepared]
+        stops = [each.stop(moment, self._most) for each in self._prepared]
         if find_unmapped is not None:
             reach = max(each.reach(moment) for each in self._prepared)
             unmapped = find_unmapped(reach)
@@ -126,6 +122,7 @@ class StoppingCheck:
         the last ones are where they stand. (0, f, 7) where nothing moves, or nobody knows how.
         ``states`` and ``delay`` are as in ``stops``.
         """
+        self._follow_scene()
         moment = self._moment(states, 0.0, delay)
         shares = np.arange(1.0, parts + 1.0)[:, np.newaxis] / parts
         travels = [each.travel(moment) for each in self._prepared]
@@ -138,17 +135,24 @@ class StoppingCheck:
 
     def _moment(self, states: Sequence[RobotState], ages: ArrayLike, delay: float) -> Moment:
         """Return how robots move now, among bodies with poses of some ``ages`` [s]."""
-        columns = self._columns
+        columns, ages_of_all = self._columns, np.empty(len(self.ids))
+        ages_of_all[:] = ages
+        values, unplaced = columns.positions(states), self._motions.unplaced()
         return Moment(
-            columns.positions(states),
+            values,
             columns.velocities(states),
             tuple(states),
             self._chain_of(states),
-            np.broadcast_to(np.asarray(ages, dtype=np.float64), self.ids.shape),
+            ages_of_all,
             delay,
             *self._motions.poses(),
-            self._motions.unplaced(),
+            unplaced,
+            not (np.isnan(values).any() or unplaced.any()),
         )
+
+    def _follow_scene(self) -> None:
+        if not self._motions.is_of_now(self._context) and not self._posed.take_shapes():
+            self._prepare()
 
     def _prepare(self) -> None:
         braked = [self._braked(question) for question in self._questions]
@@ -168,11 +172,13 @@ class StoppingCheck:
         ]
         rows = np.unique(np.concatenate([np.zeros(0, np.int64), *(each.rows for each in about)]))
         posed = self._posed = PosedPairs(self._motions, rows, self._resolution)
-        travel = self._travel = BodyTravel(posed)
+        travel = BodyTravel(posed)
         self._prepared = [
             PreparedQuestion(question, joints, self._columns, its_pairs, posed, travel)
             for question, joints, its_pairs in zip(self._questions, braked, about, strict=True)
         ]
+        for prepared in self._prepared:
+            prepared.stand_beside(self._prepared)
         self._standing: tuple[bytes, JointChain] | None = None
         for prepared in self._prepared:
             if prepared.never and not self._may_wait:

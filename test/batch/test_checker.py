@@ -12,11 +12,13 @@ from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     ArgumentError,
     CollisionFilterDeclaration,
+    Convex,
     FramePoseVector,
     GeometryError,
     GeometryFrame,
     GeometryInstance,
     GeometrySet,
+    MeshData,
     PoseError,
     ProximityProperties,
     RoleAssign,
@@ -25,6 +27,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import load_scene
+from truth.bodies.random_bodies import random_directions
 
 CHANGED = 'was changed since'
 
@@ -222,6 +225,26 @@ def test_a_padded_scene_is_answered_as_by_evaluate(own, name, accuracy, margin):
         pad(own, name, 0.0)
         plain = Checker(own.scene_graph, own.joints, margin).free_each(states)
         assert (plain & expected).any()
+
+
+@pytest.mark.parametrize('accuracy', [*ACCURACY_LEVELS, 0.1])
+@pytest.mark.parametrize('margin', [0.0, 0.05])
+def test_a_padding_makes_no_other_pair_near(own, accuracy, margin):
+    """A hull of many vertices, which has a coarse hull, and a padding of another geometry."""
+    egg = own.loaded.geometries['things', 'world', 'egg']
+    points = 0.2 * random_directions(np.random.default_rng(0), 300)
+    hull = Convex.FromMeshData(MeshData(points))
+    own.scene_graph.ChangeShape(own.loaded.sources['things'], egg, hull)
+    pad(own, ('arm', 'base', 'collision_0'), 0.3)
+    states = own.states(200)
+    checker = Checker(own.scene_graph, own.joints, margin, accuracy=accuracy)
+    expected = by_poses(own, states, 'collision', max_distance=margin, accuracy='exact')
+    free = checker.free_each(states)
+    assert 0 < expected.sum() < len(expected)
+    if accuracy == 'bound':
+        assert not (free & expected).any()
+    else:
+        np.testing.assert_array_equal(free, ~expected)
 
 
 @pytest.mark.parametrize(

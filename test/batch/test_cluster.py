@@ -95,6 +95,7 @@ def asked(cell):
     return {**given, 'block_size': 100}, evaluate(cell.scene_graph, **given)
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_workers_give_the_same_bits(cell, cluster, asked):
     given, expected = asked
@@ -107,6 +108,7 @@ def test_workers_give_the_same_bits(cell, cluster, asked):
 IN_THE_MIDDLE = 2 * 64 + 10
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_a_worker_that_is_killed_costs_no_result(cell, cluster, asked):
     given, expected = asked
@@ -130,6 +132,7 @@ def test_nobody_at_the_address_is_named():
         pass
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_a_worker_of_other_sources_is_refused_by_name(cell, tmp_path, asked):
     other = tmp_path / 'other'
@@ -150,6 +153,7 @@ def test_a_worker_of_other_sources_is_refused_by_name(cell, tmp_path, asked):
         there.close()
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_a_scheduler_that_goes_away_costs_no_result_and_is_named(
     cell, tmp_path, asked, monkeypatch

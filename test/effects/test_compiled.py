@@ -9,7 +9,7 @@ import pytest
 from conventions.source_tree import ROOT
 from numba import config
 
-pytestmark = pytest.mark.processes
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 CODE = """
 import json

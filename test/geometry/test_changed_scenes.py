@@ -1,5 +1,10 @@
 """A scene that is changed step by step answers as one that is built at once, to the bit."""
 
+from concurrent.futures import ThreadPoolExecutor
+from copy import copy
+from functools import partial
+from threading import Event
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -20,9 +25,11 @@ from drake_geom_ros.geometry import (
     Role,
     RoleAssign,
     SceneGraph,
+    SceneGraphContext,
     Sphere,
 )
 from drake_geom_ros.geometry import CollisionFilterDeclaration as Declaration
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.2]])
@@ -33,6 +40,11 @@ EXAMPLES = 8 if config.DISABLE_JIT else 40
 CHANGES = (
     *('anchor', 'attach', 'remove', 'shape', 'repose', 'lose', 'gain', 'pad'),
     *('exclude', 'allow', 'frame', 'move', 'wait', 'place', 'unpose'),
+)
+
+OF_CONTEXTS = (
+    *('RegisterFrame', 'RegisterGeometry', 'RemoveGeometry', 'ChangeShape'),
+    *('RemoveRole', 'AssignRole', 'collision_filter_manager'),
 )
 
 
@@ -161,6 +173,37 @@ class Changing:
         return self.graph.get_query_output_port().Eval(context)
 
 
+class OnContext:
+    """A scene graph whose changes are those of a context's copy of the model."""
+
+    def __init__(self, graph, context):
+        self.graph, self.context = graph, context
+
+    def __getattr__(self, name):
+        method = getattr(self.graph, name)
+        return partial(method, context=self.context) if name in OF_CONTEXTS else method
+
+    def model_inspector(self):
+        return self.graph.get_query_output_port().Eval(self.context).inspector()
+
+    def CreateSharedContext(self, partial):
+        state = state_of(self.context)
+        return SceneGraphContext(state.model, state.filters, state.accuracy, partial)
+
+
+def copied(scene):
+    """Return a copy of a scene, with a context whose tables are shared with that of the other."""
+    scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    other = copy(scene)
+    other.rng = np.random.default_rng(scene.rng.integers(1000))
+    other.frames, other.ids = list(scene.frames), list(scene.ids)
+    other.context = scene.context.Clone()
+    graph = scene.graph.graph if isinstance(scene.graph, OnContext) else scene.graph
+    other.graph = OnContext(graph, other.context)
+    other.query = graph.get_query_output_port().Eval(other.context)
+    return other
+
+
 def columns_of(results):
     """Return all arrays of results, by name."""
     names = ('id_A', 'id_B', 'id_G', 'point_index', 'distance', 'depth', 'error_bound', 'method')
@@ -222,6 +265,55 @@ def test_any_changes_answer_as_a_scene_built_at_once(seed, anchored, steps):
         getattr(scene, change)()
         if is_asked:
             assert_same(scene.query, scene.built_at_once(), 'exact')
+    assert_same(scene.query, scene.built_at_once(), 'exact')
+
+
+@settings(max_examples=EXAMPLES // 2, deadline=None)
+@given(
+    st.integers(0, 999),
+    st.lists(st.tuples(st.integers(0, 3), st.sampled_from(CHANGES), st.booleans()), max_size=16),
+)
+def test_copies_that_live_at_once_never_see_the_changes_of_each_other(seed, steps):
+    """Copies share the memory of tables, and each may append to it."""
+    scenes = [Changing(seed, 8, 3, CLOSED)]
+    scenes[0].anchor()
+    for number, change, is_copied in steps:
+        scene = scenes[number % len(scenes)]
+        if is_copied:
+            scenes.append(copied(scene))
+        getattr(scene, change)()
+        for each in scenes:
+            assert_same(each.query, each.built_at_once(), 'exact')
+
+
+def test_snapshots_answer_in_threads_as_before_while_the_scene_grows():
+    scene = Changing(4, 30, 4, CLOSED)
+    expected = columns_of(scene.query.ComputeSignedDistancePairwiseClosestPoints(0.3))
+    snapshots = [scene.context.what_if() for _ in range(4)]
+    has_ended = Event()
+
+    def answers(snapshot):
+        query = scene.graph.get_query_output_port().Eval(snapshot)
+        count = 0
+        while not has_ended.is_set() or not count:
+            snapshot.UpdateFramePoses(
+                FramePoseVector({frame: query.X_PF(frame) for frame in scene.frames})
+            )
+            columns = columns_of(query.ComputeSignedDistancePairwiseClosestPoints(0.3))
+            for name, values in columns.items():
+                np.testing.assert_array_equal(values, expected[name], err_msg=name)
+            count += 1
+        return count
+
+    with ThreadPoolExecutor(4) as pool:
+        futures = [pool.submit(answers, snapshot) for snapshot in snapshots]
+        try:
+            for turn in range(60):
+                scene.anchor() if turn % 3 else scene.remove()
+                scene.query.ComputeSignedDistancePairwiseClosestPoints(0.3)
+        finally:
+            has_ended.set()
+        assert all(future.result() > 0 for future in futures)
     assert_same(scene.query, scene.built_at_once(), 'exact')
 
 

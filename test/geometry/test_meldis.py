@@ -23,6 +23,7 @@ PATIENCE = 60.0  # [s]
 
 pytestmark = [
     pytest.mark.processes,
+    pytest.mark.everything,
     pytest.mark.skipif(
         any(importlib.util.find_spec(name) is None for name in ('pydrake', 'lcm')),
         reason='pydrake, whose meldis shows it, or the library lcm is not installed',

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import (
     Capsule,
     FrameId,
     FramePoseVector,
+    GeometryId,
     OccupiedCells,
     Sphere,
 )
@@ -326,6 +327,28 @@ def test_joints_that_are_not_of_the_set_are_refused(cell, joints, message):
         states_of(cell, cell.moment(np.random.default_rng(0)))
     )
     assert message in stop.trouble
+
+
+def test_a_question_that_waits_may_have_a_deceleration_for_each_joint(cell):
+    question = StoppingQuestion(Braking(('elbow', 'wrist'), (1.0, 2.0)), cell.own['left'])
+    check = StoppingCheck(cell.context, cell.robots, [question], may_wait=True)
+    (stop,) = check.stops(states_of(cell, cell.moment(np.random.default_rng(0))))
+    assert 'means no joint' in stop.trouble
+
+
+def test_ways_are_of_the_scene_as_it_is_now():
+    it = StoppingCell(BRAKING)
+    moment = it.moment(np.random.default_rng(1))
+    states = states_of(it, moment._replace(velocities=np.ones_like(moment.velocities)))
+    it.check.stops(states)
+    before = it.check.ways(states)
+    limb, inspector = GeometryId(it.ids['person', 'arm', 'limb']), it.graph.model_inspector()
+    (owner,) = (s for s in inspector.GetAllSourceIds() if inspector.BelongsToSource(limb, s))
+    it.graph.RemoveGeometry(owner, limb, context=it.context)
+    after = it.check.ways(states)
+    assert all(len(way) for way in before)
+    for one, other in zip(before, after, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_a_set_that_nothing_moves_is_refused(cell):

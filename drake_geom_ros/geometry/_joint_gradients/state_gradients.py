@@ -20,6 +20,7 @@ from drake_geom_ros.geometry._joint_gradients.joint_axes import (
 from drake_geom_ros.geometry._proximity.derivatives.gradients import pair_gradients
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT
 from drake_geom_ros.geometry._proximity.runtime.handles import (
     Flags,
     Handle,
@@ -145,7 +146,7 @@ def _hits(arrays: GradientArrays, checks: CheckArrays, world: WorldArrays, cutof
         checks.world,
         1,
         (checks.parameters[GAP], cutoff, False),
-        -1,
+        EVERY_HIT,
         (checks.waiting, checks.distances),  # no pair waits
         arrays.hits,
         checks.counts,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._rendering.kernels.bands import draw_band, draw_bands, pose_meshes
+from drake_geom_ros.geometry._rendering.kernels.bands import draw_bands, pose_meshes
 from drake_geom_ros.geometry._rendering.kernels.primitives import find_windows
 from drake_geom_ros.geometry._rendering.kernels.records import (
     Band,
@@ -18,7 +18,6 @@ from drake_geom_ros.geometry._rendering.kernels.records import (
     Seen,
     Windows,
 )
-from drake_geom_ros.geometry._rendering.kernels.shading import write_colours
 
 # Pixels of a band: half a megabyte of buffers, which stays in a core's cache. Each band passes all
 # triangles, each at the cost of PIXELS_OF_TRIANGLE: with many triangles a band is larger, up to
@@ -134,8 +133,7 @@ class _Pass:
         """Fill the requested images."""
         if not any(image.size for image in outputs):
             return
-        paint, buffers = self._paint(look), self._buffers(1)
-        draw_bands(self._bodies, self._seen, buffers, paint, self._depth_range, empty, outputs)
+        self._draw(outputs, self._buffers(1), self._paint(look), empty)
 
     def draw_fine(self, colour: NDArray[np.uint32], look: Shading) -> None:
         """Fill a colour image, if requested, with pixels that are means of samples."""
@@ -146,16 +144,20 @@ class _Pass:
         rows = len(buffers.depths)
         for first in range(0, height, rows):
             count = min(rows, height - first)
-            band = Band(
-                first, buffers.depths[:count], buffers.owners[:count], buffers.facets[:count]
-            )
             fine = np.empty((count, width), np.uint32)
-            draw_band(self._bodies, self._seen, band)
-            write_colours(self._bodies, self._seen, paint, band, fine)
+            # One compiled entry for both kinds of images: a second one takes 13 s.
+            self._draw(_NOTHING._replace(color=fine), buffers, paint, 0, first)
             parts = bytes_of(fine).reshape(count // n, n, width // n, n, 4)
             # Whole numbers, rounded half up: the same on every machine.
             sums = parts.sum(axis=(1, 3), dtype=np.uint32)
             bytes_of(colour)[first // n : (first + count) // n] = (2 * sums + n * n) // (2 * n * n)
+
+    def _draw(
+        self, outputs: Outputs, buffers: Band, paint: Paint, empty: int, top: int = 0
+    ) -> None:
+        """Fill the requested images, which begin in the row ``top`` of the pass."""
+        bodies, seen, depths = self._bodies, self._seen, self._depth_range
+        draw_bands(bodies, seen, buffers, paint, depths, empty, top, outputs)
 
     def _buffers(self, step: int) -> Band:
         """Return buffers for the largest band, a multiple of ``step`` rows."""

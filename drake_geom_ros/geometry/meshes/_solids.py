@@ -46,6 +46,7 @@ from drake_geom_ros.geometry.meshes._welding import ADVICE, ClosedSurface, close
 from drake_geom_ros.geometry.meshes.source import (
     MeshGiven,
     MeshKey,
+    coarse_hull_of,
     hull_of,
     mesh_source,
     name_of,
@@ -83,11 +84,11 @@ def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
         for piece in connected_pieces(triangles, len(vertices))
         if live[piece].any()
     ]
-    full = volume(hull_vertices[hull_triangles])
+    full, coarse = volume(hull_vertices[hull_triangles]), coarse_hull_of(mesh, factors)
     same = len(pieces) == 1 and abs(volume(corners) - full) <= SAME_VOLUME * full
     if same and is_convex(vertices, triangles, live, size):
-        return CONVEX, hull_parameters(hull_vertices, hull_triangles)
-    hull = unlisted_parameters(hull_vertices, hull_triangles)
+        return CONVEX, hull_parameters(hull_vertices, hull_triangles, coarse)
+    hull = unlisted_parameters(hull_vertices, hull_triangles, coarse)
     planes = planes_of(hull_vertices, hull_triangles)
     live_number = np.cumsum(live) - 1  # index of each triangle among those with an area
     crowded = at_crowded_edges(triangles)

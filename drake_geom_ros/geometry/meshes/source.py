@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.common import MemoryFile
+from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import CoarseHull
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
+from drake_geom_ros.geometry.meshes._coarse_hulls import chosen_vertices, coarse_hull
 from drake_geom_ros.geometry.meshes._companions import companions_of
 from drake_geom_ros.geometry.meshes._formats import FORMATS, VOLUME_FORMATS, parse_mesh
 from drake_geom_ros.geometry.meshes._hull_polygons import united
@@ -189,6 +191,22 @@ def hull_vertices(mesh: MeshGiven, scale3: Floats) -> Floats:
     """
     source = mesh_source(mesh)
     return _scaled(hull_of(source).vertices, scale3, source)
+
+
+def coarse_hull_of(mesh: MeshGiven, scale3: Floats) -> CoarseHull | None:
+    """Return the coarse hull of a scaled mesh, or None where its hull has few vertices."""
+    source = mesh_source(mesh)
+    chosen = _chosen_vertices(source)
+    if chosen is None:
+        return None
+    few, triangles = chosen
+    return coarse_hull(hull_vertices(mesh, scale3), few, turned(triangles, scale3))
+
+
+@functools.lru_cache(maxsize=256)
+def _chosen_vertices(source: MeshKey) -> tuple[Indices, Indices] | None:
+    """Return the numbers of the vertices of a source's coarse hull and its triangles."""
+    return chosen_vertices(hull_of(source).vertices)
 
 
 def hull_surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:

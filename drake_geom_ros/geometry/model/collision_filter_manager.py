@@ -192,9 +192,15 @@ class CollisionFilterManager:
         Raises ArgumentError for a bad name, UnknownIdError for a member that does not exist,
         FilterError while there are transient declarations.
         """
-        name = canonical_name(name, 'AddClique')
-        self._check_no_history('AddClique')
-        self._filters.add_clique(name, self._keys(members))
+        self._add_cliques([(name, members)], 'AddClique')
+
+    def AddCliques(self, cliques: Iterable[tuple[str, GeometrySet]]) -> None:
+        """Define cliques by names, or add members to them: all, or none where one is refused.
+
+        As ``AddClique`` for each, and faster for the thousands of a large robot. Raises as that
+        does.
+        """
+        self._add_cliques(cliques, 'AddCliques')
 
     def filter_groups(self) -> dict[str, FilterGroup]:
         """Return the groups by name, in the order of their definition."""
@@ -244,6 +250,11 @@ class CollisionFilterManager:
         ]
 
     # Helpers.
+
+    def _add_cliques(self, cliques: Iterable[tuple[str, GeometrySet]], what: str) -> None:
+        named = [(canonical_name(name, what), self._keys(members)) for name, members in cliques]
+        self._check_no_history(what)
+        self._filters.add_cliques(named)
 
     def _check_no_history(self, what: str) -> None:
         if self._filters.has_transient_history:

@@ -29,10 +29,13 @@ class ContentMark(NamedTuple):
 class SceneContent:
     """A model and the filters of its pairs, shared by the classes behind a scene or a context.
 
-    ``copied_from`` is the mark of the original of a copy, at the time of the copy.
+    ``copied_from`` is the mark of the original of a copy, at the time of the copy. ``former`` is
+    what a copy that was taken over replaced. It ends with the copy: to free thousands of records
+    takes long, and who takes over may hold what others wait for.
     """
 
     copied_from: ContentMark | None = None
+    former: object = None
 
     def __init__(self, model: Model, filters: FilterState) -> None:
         self.model = model
@@ -51,6 +54,7 @@ class SceneContent:
             return False
         if copy.copied_from != self.mark():
             return False
+        copy.former = {**vars(self.model)}, {**vars(self.filters)}
         vars(self.model).update(vars(copy.model))  # in place: others refer to this model
         self.filters.become(copy.filters)
         return True

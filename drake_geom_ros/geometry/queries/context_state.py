@@ -90,8 +90,10 @@ _NO_POSED_BODIES = _PosedBodies(None, None, None)
 class ContextState(PosedScene):
     """State of a context, which its query objects, images and states share; see ``state_of``.
 
-    ``accuracy`` is the default accuracy of queries.
+    ``accuracy`` is the default accuracy of queries. ``is_snapshot``: it is for queries only.
     """
+
+    is_snapshot = False
 
     def __init__(
         self, model: Model, filters: FilterState, accuracy: AccuracyLike, partial: bool = False
@@ -115,7 +117,8 @@ class ContextState(PosedScene):
     def copy(self: _State) -> _State:
         """Return an independent copy."""
         other = self._about(self.model.copy())
-        other.copied_from = self.mark()
+        other.copied_from = self.copied_from if self.is_snapshot else self.mark()
+        other.is_snapshot = False
         other._snapshot, other.packed_scenes = None, dict(self.packed_scenes)
         other.prepared_motions = PreparedMotions()
         return other
@@ -127,20 +130,25 @@ class ContextState(PosedScene):
         """
         copy.world.pose_as(self.world)
         copy.engine.detailed = self.engine.detailed
+        former = {**self.__dict__}
         own = self.model, self.filters, self.accuracy, self.partial
         self.__dict__.update(copy.__dict__)
         self.model, self.filters, self.accuracy, self.partial = own
-        self.copied_from = None
+        self.copied_from = self.former = None
+        copy.former = copy.former, former
 
     def snapshot(self: _State) -> _State:
         """Return a copy for queries and poses only.
 
         Snapshots of one version of the model share a copy of it, and the packed scenes of
-        renderers, which are never changed.
+        renderers, which are never changed. A copy of a snapshot is one of this state.
         """
         if self._snapshot is None or self._snapshot.versions != self.model.versions:
             self._snapshot = self.model.copy()
-        return self._about(self._snapshot)
+        other = self._about(self._snapshot)
+        other.copied_from = self.copied_from if self.is_snapshot else self.mark()
+        other.is_snapshot = True
+        return other
 
     def narrowed(self: _State, considered: NDArray[np.bool_], kinds: Indices) -> _State:
         """Return a state of the same model and poses, for pairs of some kinds (k, k) only.

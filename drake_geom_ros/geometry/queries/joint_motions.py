@@ -15,6 +15,7 @@ from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.state_queries import accuracy_in
+from drake_geom_ros.geometry.queries.stop_queries import StopQueries
 from drake_geom_ros.math.array_types import Floats, Indices
 
 Flags = NDArray[np.bool_]
@@ -49,7 +50,7 @@ class JointMotions:
         self._accuracy = accuracy_in(context, accuracy)
         self._mark = _mark(context)
         self._frame_ids = state_of(context).up_to_date_world().frames.ids
-        self._chain, self._columns = chain, columns
+        self._chain = chain
         self._leads_several = _leads_several(chain, columns)
         self._scene, self.ids = PackedScene.of(
             context, frame_ids, about_points=False, with_waiting=True
@@ -89,12 +90,11 @@ class JointMotions:
         a, b = self.moved_by[pairs[:, 0]], self.moved_by[pairs[:, 1]]
         return np.asarray((a ^ b) | ((a | b) & self._leads_several))
 
-    def queries(self, pairs: Indices) -> MotionQueries:
-        """Return queries about the motion of some pairs (k, 2), by place."""
+    def queries(self, pairs: Indices) -> StopQueries:
+        """Return queries about stops of some pairs (k, 2), by place."""
         none = np.zeros((0, 2), dtype=np.int64)
         scene = replace(self._scene, pairs=np.ascontiguousarray(pairs), half_spaces=none)
-        stop = np.zeros(1, dtype=np.int64)
-        return MotionQueries(scene, self._accuracy, stop, self._chain, self._columns)
+        return StopQueries(scene, self._accuracy, self._chain, self.relative(pairs))
 
     def poses(self) -> tuple[Floats, Floats]:
         """Return R_PF (nf, 3, 3) and p_PF (nf, 3) of all frames now, by place."""

@@ -26,7 +26,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 )
 from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, JointPath
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, MotionOutcome
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
@@ -61,8 +61,6 @@ class MotionQuestion:
     ignore_start_contacts: bool = False
     # [m] largest gap from the reported bound of a clear motion to the smallest computed distance
     bound_tolerance: float = math.inf
-    # Only prove: compute no more than that needs, and count what is not proved as contact.
-    quick: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.min_distance < math.inf:
@@ -171,19 +169,6 @@ class MotionQueries:
         self._loops.drive_by(chain)
         if self._half_spaces is not None:
             self._half_spaces.drive_by(chain)
-
-    def approach(self, speeds: Floats, approached: Floats) -> None:
-        """Let pairs (k,) approach each other by themselves, beside the motion that is checked.
-
-        At time 0 of a path they have done so by at most ``approached`` [m], and later they do at
-        ``speeds`` [m/s] at most; a path's ``times`` are in seconds then. Pairs of half spaces are
-        not among them.
-        """
-        self._loops.approach(speeds, approached)
-
-    def examined(self) -> Booleans:
-        """Return the mask (k,) of pairs that the last answer had to look at, beyond boxes."""
-        return self._loops.examined.copy()
 
     def move(
         self, question: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
@@ -298,24 +283,32 @@ class MotionQueries:
 
     def _prepare(self, question: MotionQuestion, skipped: Booleans | None) -> None:
         self._loops.skipped[:] = False if skipped is None else skipped
-        self._loops.examined[:] = False
         self._loops.ask(
             question.min_distance,
             question.time_tolerance,
             question.max_evaluations,
             ignores=question.ignore_start_contacts,
-            quick=question.quick,
         )
+
+    def _refuse(self, verdict: int, edge: int) -> None:
+        """Raise the error of a check without a verdict, which ended in an edge of its path."""
+        if verdict == STOPPED:
+            raise InterruptedError(f'stopped in edge {edge} of a path')
+        if verdict == NO_POSE:
+            raise PoseError(
+                f'The motion was refused: between {edge} and {edge + 1} of its time a '
+                'frame would be where no pose may be, too far away'
+            )
+
+    def _padded_rows(self, batch: PairBatch) -> Floats:
+        """Return the rows of answers about the bodies as they are padded."""
+        if not self._padded:
+            return batch.rows
+        return padded_rows(batch.rows, batch.ids, self._paddings, self._world)
 
     def _answer_of(self, row: MotionOutcome, path: JointPath, end: float) -> MotionAnswer:
         """Return the answer for a row of the loops, about a motion that ends at time ``end``."""
-        if row.verdict == STOPPED:
-            raise InterruptedError(f'stopped in edge {row.edge} of a path')
-        if row.verdict == NO_POSE:
-            raise PoseError(
-                f'The motion was refused: between {row.edge} and {row.edge + 1} of its time a '
-                'frame would be where no pose may be, too far away'
-            )
+        self._refuse(row.verdict, row.edge)
         still = end == 0.0
         pair, edge, time = row.seen_pair, row.seen_edge, row.seen_time
         times = (end, end)
@@ -328,10 +321,7 @@ class MotionQueries:
         a = b = -1
         if pair >= 0:
             batch = self._loops.row(path, edge, time, pair)
-            rows = batch.rows
-            if self._padded:
-                rows = padded_rows(rows, batch.ids, self._paddings, self._world)
-            (pair_row,), ((a, b),) = rows, batch.ids.tolist()
+            (pair_row,), ((a, b),) = self._padded_rows(batch), batch.ids.tolist()
         return MotionAnswer(
             outcome=OUTCOMES[row.verdict],
             times=(0.0, 0.0) if still else times,

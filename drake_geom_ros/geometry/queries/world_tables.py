@@ -65,7 +65,8 @@ def changed_world(world: World, model: Model, before: ModelMark) -> tuple[World,
     """
     ids = model.geometries_changed_since(before.proximity)
     few = ids is not None and MUCH * len(ids) <= world.geometry_count
-    if ids is None or not few or before.frame_order != model.versions.frame_order:
+    is_ordered = before.frame_order == model.versions.frame_order
+    if ids is None or not few or not is_ordered or world.is_spent:
         return world.rebuilt(*tables_of(model)), None
     frames = _with_more_frames(world.frames, model)
     ordered = sorted(ids)

@@ -151,11 +151,15 @@ def _property(record: GeometryRecord, roles: tuple[Role, ...], group: str, name:
 
 
 def _accepts(record: GeometryRecord, role: Role, renderer_name: str) -> bool:
-    """Return whether ('renderer', 'accepting'), one or several names, allows a renderer."""
+    """Return whether ('renderer', 'accepting'), one or several names, allows a renderer.
+
+    No names allow every renderer, as in Drake.
+    """
     accepting = _property(record, (role,), 'renderer', 'accepting')
     if accepting is None:
         return True
-    return renderer_name in ({accepting} if isinstance(accepting, str) else set(accepting))
+    names = {accepting} if isinstance(accepting, str) else set(accepting)
+    return not names or renderer_name in names
 
 
 def _label(record: GeometryRecord, params: RenderEngineExactParams) -> int:

@@ -28,6 +28,7 @@ from drake_geom_ros.geometry.meshes.source import (
     MeshGiven,
     MeshKey,
     check_extension,
+    coarse_hull_of,
     hull_polygons,
     hull_surface,
     mesh_source,
@@ -149,7 +150,8 @@ class _FromMesh(Shape):
         return PolygonSurfaceMesh.FromPolygons(polygons, vertices)
 
     def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
-        return QueriedShape(PackedShape(CONVEX, hull_parameters(*self.hull_surface())))
+        coarse = coarse_hull_of(self._mesh, self.scale3())
+        return QueriedShape(PackedShape(CONVEX, hull_parameters(*self.hull_surface(), coarse)))
 
 
 class Convex(_FromMesh):

@@ -109,6 +109,24 @@ def test_a_member_that_does_not_exist_is_an_error(scene, call):
     assert scene.manager.cliques() == {}
 
 
+def test_several_cliques_come_together_or_not_at_all(scene):
+    manager, pair = scene.manager, GeometrySet([scene.a[0], scene.b[0]])
+    version = content_of(scene.graph).filters.version
+    for name, members in (('second', GeometrySet([GeometryId(10**9)])), (' ', pair)):
+        with pytest.raises(RuntimeError, match=r'1000000000|AddCliques.*empty'):
+            manager.AddCliques([('first', pair), (name, members)])
+        assert manager.cliques() == {}
+        assert content_of(scene.graph).filters.version == version
+    manager.AddCliques([('first', pair), (' second ', GeometrySet([*scene.a, scene.b[0]]))])
+    together = candidates(scene)
+    assert [*manager.cliques()] == ['first', 'second']
+    other = scene.graph.Clone().collision_filter_manager()
+    other.AddClique('first', pair)
+    other.AddClique('second', GeometrySet([*scene.a, scene.b[0]]))
+    assert other.cliques() == manager.cliques()
+    assert 0 < len(together) < 8
+
+
 def test_persistent_changes_are_refused_under_a_history(scene):
     exclude = Declare().ExcludeWithin(GeometrySet(scene.a + scene.b))
     filter_id = scene.manager.ApplyTransient(Declare().AllowWithin(GeometrySet(scene.a)))
@@ -116,6 +134,7 @@ def test_persistent_changes_are_refused_under_a_history(scene):
         lambda: scene.manager.Apply(exclude),
         lambda: scene.manager.AddGroup('g', GeometrySet(scene.a), ['g']),
         lambda: scene.manager.AddClique('c', GeometrySet(scene.a + scene.b)),
+        lambda: scene.manager.AddCliques([('c', GeometrySet(scene.a + scene.b))]),
     ):
         with pytest.raises(RuntimeError, match=rf'\[{filter_id.get_value()}\] are active'):
             refused()

@@ -118,6 +118,15 @@ def test_only_the_perception_role_is_seen_and_what_accepts_the_renderer():
     assert middle(images(scene, camera_of('other'))) == (2.5, 1)
 
 
+def test_a_set_of_no_renderers_is_all_of_them():
+    """As in Drake's ``GeometryState``."""
+    scene, source = scene_of([])
+    of_any = properties(1)
+    of_any.AddProperty('renderer', 'accepting', set())
+    scene.RegisterAnchoredGeometry(source, instance(Sphere(0.5), AHEAD, 'of any', of_any))
+    assert middle(images(scene, CAMERA)) == (2.5, 1)
+
+
 def test_a_renderer_of_another_role_shows_what_distances_are_of():
     scene, source = scene_of([], role=Role.kProximity, number_geometries=True)
     ball = GeometryInstance(AHEAD, Sphere(0.5), 'ball')

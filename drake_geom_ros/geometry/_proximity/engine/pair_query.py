@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_answers
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import near_pairs
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.pairs.quick_contacts import quick_contact
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,
     COMPILED,
@@ -194,8 +195,9 @@ def _answer(
         report.counts[:] = 0
         _, cutoff, _ = query
         return near_pairs(pairs, world, cutoff, near.hits)
-    # The pair of the last contact is the likeliest one.
-    first = _place_of_contact(near, report) if mode == CONTACT else -1
+    search = EVERY_HIT
+    if mode == CONTACT:  # the pair of the last contact is the likeliest one
+        search = (_place_of_contact(near, report), 0.0)
     hit_count = answer_pairs(
         kernels,
         pairs,
@@ -204,7 +206,7 @@ def _answer(
         world,
         revision,
         query,
-        first,
+        search,
         (report.waiting, report.distances),
         near.hits,
         report.counts,

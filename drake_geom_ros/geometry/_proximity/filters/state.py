@@ -16,11 +16,13 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Collection, Iterable
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.copied_late import CopiedLate
+from drake_geom_ros.common.packed_bits import set_bits
 from drake_geom_ros.geometry._proximity.filters import matrix as filter_matrix
 from drake_geom_ros.geometry._proximity.filters.groups import UNIVERSAL, FilterGroups
 from drake_geom_ros.geometry._proximity.filters.log import (
@@ -40,6 +42,7 @@ from drake_geom_ros.geometry._proximity.filters.matrix import (
     Slots,
 )
 
+_FEW_MEMBERS = 8  # of a clique whose pairs are listed
 _ANCHORED = 0  # the body of all anchored geometries; a frame's is its id, and ids start at 1
 
 
@@ -177,14 +180,20 @@ class FilterState:
         """Return the keys of all geometries, ascending, and the slot of each."""
         if self._table_lacks:
             changed, (keys, slots) = sorted(self._table_lacks), self._table
-            former = np.flatnonzero(np.isin(keys, changed))
-            keys, slots = np.delete(keys, former), np.delete(slots, former)
+            at = np.searchsorted(keys, changed)
+            former = at[np.append(keys, -1)[at] == changed]
             new = [key for key in changed if key in self._slot_of]
-            places = np.searchsorted(keys, new)
-            self._table = (
-                np.insert(keys, places, new),
-                np.insert(slots, places, self._slots_of(new)),
-            )
+            if keys[former].tolist() == new:  # roles that were removed and assigned again
+                slots = slots.copy()
+                slots[former] = self._slots_of(new)
+            else:
+                if len(former):
+                    keys, slots = np.delete(keys, former), np.delete(slots, former)
+                if new:
+                    places = np.searchsorted(keys, new)
+                    keys = np.insert(keys, places, new)
+                    slots = np.insert(slots, places, self._slots_of(new))
+            self._table = keys, slots
             self._table_lacks = set()
         return self._table
 
@@ -251,9 +260,18 @@ class FilterState:
 
     def add_clique(self, name: str, members: Iterable[int]) -> None:
         """Define a clique, or extend it: no two of its members are reported."""
-        joined = tuple(sorted({*members, *self._log.clique_members(name)}))
-        if joined:
-            self._relate(clique(name, joined))
+        self.add_cliques(((name, members),))
+
+    def add_cliques(self, cliques: Iterable[tuple[str, Iterable[int]]]) -> None:
+        """Do as ``add_clique`` does for each name and its members."""
+        entries = []
+        for name, members in cliques:
+            if joined := tuple(sorted({*members, *self._log.clique_members(name)})):
+                entries.append(clique(name, joined))
+                self._log.relate(entries[-1])
+        self._write_cliques(entries)
+        if entries and self.has_transient_history:
+            self._replay(entries)
 
     def cliques(self) -> dict[str, Keys]:
         """Return the members of each clique by its name."""
@@ -333,6 +351,26 @@ class FilterState:
         self.version += filter_matrix.write_pairs(
             self._bits.writable(), self._bit_rows, first_layer, slots_a, slots_b, entry.excludes
         )
+
+    def _write_cliques(self, entries: Iterable[Entry]) -> None:
+        """Write cliques, those of a few members all at once.
+
+        A robot of 4000 links has as many cliques of two. A compiled call for each gives Python's
+        interpreter up and takes it back microseconds later: a thread that waits for it is woken
+        each time, and comes too late. So cycles stood still for 50 ms and more.
+        """
+        pairs: list[tuple[int, ...]] = []
+        for entry in entries:
+            if len(entry.keys_a) > _FEW_MEMBERS:
+                self._write(entry, BASE)
+            else:
+                slots = [self._slot_of[key] for key in entry.keys_a]
+                pairs += product(slots, repeat=2)
+        if pairs:
+            slots_a, slots_b = np.array(pairs, dtype=np.int64).T
+            self._give_rows(slots_a)
+            for layer in self._bits.writable():
+                self.version += set_bits(layer, self._bit_rows[slots_a], slots_b)
 
     def _replay(self, said: Collection[Entry]) -> None:
         """Rebuild the rows that entries mention from the base and from what else is about them."""

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import compiled_address
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     ALL_ROWS,
+    HULLS_KERNEL,
     OVER_MAP_KERNEL,
     PLAIN_OVERLAP_KERNEL,
     ROW_OF_TYPES,
@@ -24,10 +25,11 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilatio
 
 ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once per process, for all scenes.
-ADDRESSES = address_table(len(ALL_ROWS) + 3)
+ADDRESSES = address_table(len(ALL_ROWS) + 4)
 AT_ONE_METRE = len(ALL_ROWS)  # after the rows: the wrapper of kernels for extreme pairs
 OVER_MAP = AT_ONE_METRE + 1  # the loop of a kernel over the cells of a map
 PLAIN_OVERLAP = OVER_MAP + 1  # the test whether a solid plainly overlaps, without a depth
+HULLS = PLAIN_OVERLAP + 1  # the kernel of a body and the hull of a solid
 COMPILED_ROWS = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 
@@ -52,6 +54,9 @@ def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]
     if with_solids and not ADDRESSES[PLAIN_OVERLAP]:
         with compilation(tell, PLAIN_OVERLAP_KERNEL, 1, 1):
             ADDRESSES[PLAIN_OVERLAP] = compiled_address(load_kernel(PLAIN_OVERLAP_KERNEL))
+    if with_solids and not ADDRESSES[HULLS]:
+        with compilation(tell, HULLS_KERNEL, 1, 1):
+            ADDRESSES[HULLS] = compiled_address(load_kernel(HULLS_KERNEL))
     names = list(dict.fromkeys(ALL_ROWS[number].kernel for number in missing))
     for number in missing:
         row = ALL_ROWS[number]

@@ -1,7 +1,8 @@
 """Pair table: one row for each unordered pair of shape types.
 
 A row has the kernel, its method and its worst error. It is the only source for the look-up of the
-engine, the support table of docs/certificates.md, the accuracy tests and the "not supported" text.
+engine, the table of docs/certificates.md, the accuracy tests and the "not supported" text. The
+reason why each row is certified stands in docs/generate_certificates.py.
 The lower type number is A. Solids, whose signed distance does not follow from a support function,
 have a table of their own, and so do sensed maps: there the kernel is that of one cell, a box or a
 ball, and ``OVER_MAP_KERNEL`` loops over the cells.
@@ -41,75 +42,6 @@ SHAPE_NAMES = {
 }
 TYPE_COUNT = 1 + max(SHAPE_NAMES)
 
-
-_APART = (
-    'Apart, two points of the bodies bound the distance from above, and an empty slab between two '
-    'planes bounds it from below. '
-)
-_POLYTOPE = (
-    'the width along the normal bounds the depth from above, and the least offset of a closed '
-    'surface of points of the Minkowski difference from below'
-)
-# Reasons why answers of a kernel are certified, in two sentences; for ``convex.pairs`` by pair.
-_CERTIFICATES = {
-    'closed_forms.spheres': (
-        "The signed distance of the sphere's centre has a closed form in the frame of the other "
-        'shape, and the radius is taken off it. Only rounding is in the bound, which grows with '
-        'the sizes and the distance.'
-    ),
-    'closed_forms.boxes': (
-        'Overlapping boxes are as deep as the least of 15 widths, along the normals of all facets '
-        'that their Minkowski difference can have, and each bounds the depth by itself; apart, '
-        'they are as far as the nearest of 24 edges from the other box. Parallel edges cross '
-        'along no direction that a face has not, so leaving them out loses nothing, and only '
-        'rounding is in the bound.'
-    ),
-    'closed_forms.segments': (
-        'A capsule is a segment with a radius, and the distance to a segment is the least of a '
-        'convex function of one number, whose slope is linear between the planes of faces; where '
-        'both overlap it is the largest of six separations, each a bound by itself. Both are '
-        'closed forms, so only rounding is in the bound.'
-    ),
-    'closed_forms.half_spaces': (
-        'The normal is that of the half space, and the point of the other shape that is lowest '
-        'along it is its support point. Both are closed forms, so only rounding is in the bound.'
-    ),
-    'solids.pairs': (
-        'Apart, two points of the bodies bound the distance from above, and from below it is '
-        'bounded by what was left out of the walk over both trees, whose boxes are rounded '
-        'outwards; at accuracies of 1e-5 m and more it may be a walk over discs around the '
-        'triangles of nodes, which ends where they are within it. Overlapping, a verified '
-        'translation bounds the depth from above and what is certain to be inside from below: the '
-        'interval between them may stay open.'
-    ),
-}
-_HULLS = (
-    f'Overlapping, {_POLYTOPE}, but for a cap around the minimum of the edge next to the normal, '
-    'for the width of the hull is nowhere less than that of its edge.'
-)
-_CREASES = (
-    'Overlapping, the width has no minimum off the creases and faces of the Minkowski difference, '
-    'and the whole circle of each crease is searched with a lower bound for every arc, which a '
-    'plane that the search did not choose checks.'
-)
-_BY_BALLS = (
-    f'Overlapping, {_POLYTOPE}; so does the sum of the depths of a point in both, by closed forms.'
-)
-_RINGS = (
-    f'Overlapping, {_POLYTOPE}, as does the sum of the depths of a point in both; where a ring of '
-    'directions is almost as good, arcs and half planes through the axis with a lower bound each '
-    'prove it instead.'
-)
-
-
-_MAPS = (
-    'Apart, the nearest cell is as far as the kernel of a box or a ball certifies, and all others '
-    'are farther by that kernel or by boxes around them, which are rounded outwards. Overlapping, '
-    'the deepest cell bounds the depth from below and a translation that parts the body from all '
-    'cells from above: the interval between them may stay open.'
-)
-
-
 _KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
 
 
@@ -139,21 +71,6 @@ class PairRow:
         """True if ``PLAIN_OVERLAP_KERNEL`` can detect an overlap without its depth."""
         return self.kernel == _SOLIDS and not self.is_of_map
 
-    @property
-    def certificate(self) -> str:
-        """Reason why the error bound of an answer holds, in two sentences."""
-        if self.is_of_map:
-            return _MAPS
-        module = self.kernel.rpartition('.')[0]
-        if module in _CERTIFICATES:
-            return _CERTIFICATES[module]
-        pair = {self.type_a, self.type_b}
-        if CONVEX in pair:
-            return _APART + _HULLS
-        if CYLINDER in pair and pair & {BOX, CAPSULE}:
-            return _APART + _CREASES
-        return _APART + (_BY_BALLS if BOX in pair else _RINGS)
-
     def load_kernel(self) -> Any:
         """Import and return the kernel of the row."""
         return load_kernel(self.kernel)
@@ -165,6 +82,7 @@ BY_PAIR_KERNEL = 'closed_forms.to_points.by_pair_kernel'
 _TO_MAP = 'sensed.to_points.to_map'
 BY_ADDRESS = (BY_PAIR_KERNEL, _TO_MAP)  # point kernels that call the pair kernel of a ball
 _SOLIDS = 'solids.pairs.signed_distance_to_solid'
+HULLS_KERNEL = _CORES  # for the hull of a solid beside any core or hull
 PLAIN_OVERLAP_KERNEL = 'solids.plain_overlap.plain_overlap'
 
 PAIR_TABLE = (

@@ -28,8 +28,6 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     LOWER_BOUND,
     MIN_DISTANCE,
     MOST,
-    MOST_APPROACH,
-    MOST_APPROACHED,
     MOST_PADDING,
     MOVE_WIDTH,
     NO_ROOM,
@@ -61,7 +59,7 @@ from drake_geom_ros.geometry._proximity.motion.tree import (
 )
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.report import COUNTS
-from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
 from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, moved_together
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE
 from drake_geom_ros.geometry._proximity.world.joint_poses import (
@@ -156,17 +154,6 @@ class MotionLoops:
         roots = np.setdiff1d(np.arange(len(chain.X_WLs)), chain.children)
         self._arrays.nodes[1 + roots, OFFSET] = offsets_of(chain.X_WLs[roots, :3])
 
-    def approach(self, speeds: Floats, approached: Floats) -> None:
-        """Let pairs (k,) approach each other by themselves, beside the motion that is checked.
-
-        At time 0 of a path they have done so by at most ``approached`` [m], and later they do at
-        ``speeds`` [m/s] at most.
-        """
-        arrays = self._arrays
-        arrays.approaches[:], arrays.approached[:] = speeds, approached
-        most = speeds.max(initial=0.0), approached.max(initial=0.0)
-        arrays.parameters[[MOST_APPROACH, MOST_APPROACHED]] = most
-
     def ask(
         self,
         min_distance: float,
@@ -174,21 +161,16 @@ class MotionLoops:
         max_evaluations: int,
         *,
         ignores: bool,
-        quick: bool = False,
     ) -> None:
-        """Set the parameters of the following checks.
-
-        A ``quick`` one computes no more than its proof needs, halves no span below the tolerance,
-        and counts a state that it cannot prove clear as contact.
-        """
+        """Set the parameters of the following checks."""
         longest = max(time_tolerance, LEAST_TIME_TOLERANCE)
         self._arrays.parameters[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, longest
-        self._arrays.flags[[MOST, IGNORES, QUICK]] = max_evaluations, int(ignores), int(quick)
+        self._arrays.flags[[MOST, IGNORES, QUICK]] = max_evaluations, int(ignores), 0
 
     @property
-    def examined(self) -> NDArray[np.bool_]:
-        """Flags (k,) of pairs that boxes did not prove clear since they were reset."""
-        return self._arrays.examined
+    def handle(self) -> Handle:
+        """The handle of the ``MotionArrays``, for other loops on them; valid until they change."""
+        return self._handle
 
     @property
     def skipped(self) -> NDArray[np.bool_]:
@@ -203,11 +185,7 @@ class MotionLoops:
 
     def follow(self, path: JointPath, first: int, last: int) -> MotionOutcome:
         """Return the outcome for a path from row ``first`` to row ``last``."""
-        while (verdict := check_edges(self._handle, *path, first, last)) == NO_ROOM:
-            entries = np.zeros((2 * len(self._arrays.entries), 3), dtype=np.int64)
-            records = np.zeros((2 * len(self._arrays.records), RECORD_WIDTH))
-            self._arrays = self._arrays._replace(entries=entries, records=records)
-            self._handle = handle_of(self._arrays)
+        verdict = self.search(path, first, last)
         outcome, counts = self._arrays.outcome.tolist(), self._arrays.counts.tolist()
         return MotionOutcome(
             verdict=verdict,
@@ -223,6 +201,15 @@ class MotionLoops:
             evaluations=counts[EVALUATIONS],
             ignored=counts[IGNORED],
         )
+
+    def search(self, path: tuple[Floats, Floats, Floats], first: int, last: int) -> int:
+        """Return the verdict about a path from row ``first`` to row ``last``."""
+        while (verdict := check_edges(self._handle, *path, first, last)) == NO_ROOM:
+            entries = np.zeros((2 * len(self._arrays.entries), 3), dtype=np.int64)
+            records = np.zeros((2 * len(self._arrays.records), RECORD_WIDTH))
+            self._arrays = self._arrays._replace(entries=entries, records=records)
+            self._handle = handle_of(self._arrays)
+        return int(verdict)
 
     def row(self, path: JointPath, edge: int, t: float, pair: int) -> PairBatch:
         """Return the answer of one pair at a time of an edge, which poses the world there."""

@@ -50,6 +50,7 @@ from drake_geom_ros.geometry._proximity.motion.planes import (
     normal_of_answer,
 )
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
@@ -76,7 +77,7 @@ def answer_pair(handle: Handle, k: int, cutoff: float) -> bool:
         motion.world,
         1,
         (motion.parameters[LEVEL_GAP], cutoff, False),
-        -1,
+        EVERY_HIT,
         (motion.waiting, motion.distances),
         motion.hits,
         motion.effects,

@@ -8,6 +8,9 @@ others. So a change takes the time of copying columns, and the broad phase does 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +50,8 @@ def following(former: NeighbourList, world: World, change: RowChange) -> Neighbo
     if has_pairs:
         _keep_pairs(former, near, places)
     if near.boxes is former.boxes and _keep_resting(former, near, places, world, change.new):
-        rename_rows(near.boxes[1], places)
+        if not change.appends_to(len(places)):
+            rename_rows(near.boxes[1], places)
         if has_pairs:
             _keep_candidates(former.arrays, near.arrays, places, world, change)
     near.replace()
@@ -110,8 +114,8 @@ def _keep_candidates(
         return
     if not change.is_in_place:
         for name in ('lowers', 'uppers'):
-            box_ends = getattr(before, name)[: len(places)]
-            getattr(arrays, name)[: change.total] = change.merged(box_ends, 0.0)
+            box_ends = getattr(arrays, name)[: len(places)]
+            change.in_place(box_ends, 0.0)
     parts = [_renamed(before.candidates[: before.numbers[CANDIDATE_COUNT]], places)]
     for row in change.new.tolist():
         others = _rows_near(row, arrays, world, cutoff)
@@ -143,24 +147,36 @@ def _rows_near(row: int, arrays: ListArrays, world: World, cutoff: float) -> Ind
     is_fixed = world.geometries.frames == 0 if arrays.planes.size else world.anchored
     skin = 0.0 if is_fixed[row] else WIDEST_SKIN * float(world.outer_radii[row])
     p, side = world.p_WGs[row], world.half_extents[row] + skin
-    arrays.lowers[row], arrays.uppers[row] = p - side, p + side
+    lowers, uppers = arrays.lowers, arrays.uppers
+    lowers[row], uppers[row] = p - side, p + side
     box = p - side - cutoff, p + side + cutoff
     movable = world.movable
-    near = movable[_overlap(arrays.lowers[movable], arrays.uppers[movable], *box)]
+    near = _overlapping(movable, lambda rows, axis: (lowers[rows, axis], uppers[rows, axis]), box)
     planes = arrays.planes[~(is_fixed[arrays.planes] & is_fixed[row])]
-    rows = [near[(near != row) & ~arrays.is_plane[near]], planes]
+    parts = [near[(near != row) & ~arrays.is_plane[near]], planes]
     if not is_fixed[row]:
         others = np.ones(len(is_fixed), dtype=np.bool_)
         others[movable] = others[arrays.planes] = False
-        fixed = np.flatnonzero(others)
-        p_WGs, sides = world.p_WGs[fixed], world.half_extents[fixed]
-        rows.append(fixed[_overlap(p_WGs - sides, p_WGs + sides, *box)])
-    return np.concatenate(rows)
+        parts.append(_overlapping(np.flatnonzero(others), partial(_ends, world), box))
+    return np.concatenate(parts)
 
 
-def _overlap(lowers: Floats, uppers: Floats, lower: Floats, upper: Floats) -> NDArray[np.bool_]:
-    """Return which boxes (n, 3) overlap with another one, or may, within rounding of the ends."""
+def _ends(world: World, rows: Indices, axis: int) -> tuple[Floats, Floats]:
+    """Return the ends [m] of the boxes of bodies along an axis."""
+    centres, sides = world.p_WGs[rows, axis], world.half_extents[rows, axis]
+    return centres - sides, centres + sides
+
+
+def _overlapping(
+    rows: Indices,
+    ends: Callable[[Indices, int], tuple[Floats, Floats]],
+    box: tuple[Floats, Floats],
+) -> Indices:
+    """Return the rows whose boxes overlap with another, or may, within rounding of ends."""
     noise = 4.0 * EPS
-    is_above = uppers + noise * np.abs(uppers) >= lower - noise * np.abs(lower)
-    is_below = lowers - noise * np.abs(lowers) <= upper + noise * np.abs(upper)
-    return np.asarray((is_above & is_below).all(axis=1))
+    for axis, (lower, upper) in enumerate(zip(*np.array(box).tolist(), strict=True)):
+        low, up = ends(rows, axis)
+        is_above = up + noise * np.abs(up) >= lower - noise * abs(lower)
+        is_below = low - noise * np.abs(low) <= upper + noise * abs(upper)
+        rows = rows[is_above & is_below]  # few: the next axis looks at these alone
+    return rows

@@ -79,7 +79,10 @@ class NeighbourList:
     def __init__(
         self, world: World, unlimited: bool = False, former: NeighbourList | None = None
     ) -> None:
-        """Make a list of no pairs; ``former``, which is not used any more, gives it its room."""
+        """Make a list of no pairs; ``former``, which is not used any more, gives it its room.
+
+        A list with a former one has no handle of its arrays until ``replace`` is called.
+        """
         self.unlimited = unlimited
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
@@ -115,8 +118,12 @@ class NeighbourList:
         )
         self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
         self._seen_filters: tuple[FilterState | None, int] = None, -1  # with their version
-        self._filters = FilterArrays(self.arrays.rows, *FilterState().matrix)
-        self.handles = handle_of(self.arrays), moving, resting, handle_of(self._filters)
+        if former is None:
+            self._filters = FilterArrays(self.arrays.rows, *FilterState().matrix)
+            self.handles = handle_of(self.arrays), moving, resting, handle_of(self._filters)
+        else:
+            self._filters = former._filters
+            self.handles = former.handles[0], moving, resting, former.handles[3]
 
     def replace(self, **arrays: NDArray[Any]) -> None:
         """Replace arrays by others, which handles of the list then refer to."""

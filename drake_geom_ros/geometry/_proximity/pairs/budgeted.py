@@ -11,7 +11,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.budget import Pace
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs, bound_pairs
-from drake_geom_ros.geometry._proximity.pairs.slots import NO_QUEUE
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT, NO_QUEUE
 from drake_geom_ros.geometry._proximity.report import (
     BY_METHOD,
     CACHED,
@@ -76,7 +76,7 @@ class BudgetedAnswers:
             world.handle,
             world.revision,
             query,
-            -1,
+            EVERY_HIT,
             queue,
             hits,
             self._counts,
@@ -99,7 +99,7 @@ class BudgetedAnswers:
                 world.handle,
                 world.revision,
                 query,
-                -1,
+                EVERY_HIT,
                 NO_QUEUE,
                 hits[first:last],
                 counts,

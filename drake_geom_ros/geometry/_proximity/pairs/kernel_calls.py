@@ -30,7 +30,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SOLID
 from drake_geom_ros.geometry._proximity.pairs.slots import Shapes
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 
@@ -49,6 +49,35 @@ def oriented(k: int, shapes: Shapes, R_WGs: Floats) -> OrientedShape:
 
 
 @inlined
+def in_order(
+    a: int, b: int, types: Indices, p_WGs: Floats, p_AB_W: Floats, out: Floats
+) -> tuple[int, int, bool]:
+    """Return a pair with the lower type first, and whether that swapped it.
+
+    ``p_AB_W`` and the normal in ``out``, a hint, are written in that order.
+    """
+    swapped = types[a] > types[b]
+    if swapped:
+        a, b = b, a
+        for c in range(3):
+            out[NORMAL + c] = -out[NORMAL + c]
+    for c in range(3):
+        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
+    return a, b, swapped
+
+
+@inlined
+def swap_sides(p_AB_W: Floats, out: Floats) -> None:
+    """Make an answer about (A, B) one about (B, A)."""
+    for c in range(3):
+        # Measured from the origin of the other body, which is now A.
+        p_a = out[WITNESS_A + c] - p_AB_W[c]
+        p_b = out[WITNESS_B + c] - p_AB_W[c]
+        out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
+        out[NORMAL + c] = -out[NORMAL + c]
+
+
+@inlined
 def call_in_order(
     a: int,
     b: int,
@@ -61,13 +90,7 @@ def call_in_order(
 ) -> None:
     """Call a pair's kernel with the lower type first, and swap the answer back if needed."""
     types, (R_WGs, p_WGs) = shapes.types, poses
-    swapped = types[a] > types[b]
-    if swapped:
-        a, b = b, a
-        for c in range(3):
-            out[NORMAL + c] = -out[NORMAL + c]
-    for c in range(3):
-        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
+    a, b, swapped = in_order(a, b, types, p_WGs, p_AB_W, out)
     address = kernels[ROWS[_code(types[a], types[b])]]
     A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
     # Solids and maps, the highest types, also have areas and counts as parameters: no rescaling.
@@ -80,12 +103,7 @@ def call_in_order(
     else:
         call_kernel(address, A, B, p_AB_W, aim, out)
     if swapped:
-        for c in range(3):
-            # Measured from the origin of the other body, which is now A.
-            p_a = out[WITNESS_A + c] - p_AB_W[c]
-            p_b = out[WITNESS_B + c] - p_AB_W[c]
-            out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
-            out[NORMAL + c] = -out[NORMAL + c]
+        swap_sides(p_AB_W, out)
 
 
 @inlined

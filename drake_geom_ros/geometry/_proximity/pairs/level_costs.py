@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
 )
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
-from drake_geom_ros.geometry._proximity.pairs.slots import NO_QUEUE, empty_memory
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT, NO_QUEUE, empty_memory
 from drake_geom_ros.geometry._proximity.report import COUNTS, POSTPONED
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.world import World
@@ -85,7 +85,7 @@ def _answer(
         world.handle,
         world.revision,
         (level_gap, cutoff, False),
-        -1,
+        EVERY_HIT,
         queue,
         hits,
         counts,

@@ -5,7 +5,8 @@ The tests of each pair, in this order:
 1. The last distance minus the motion of both bodies since may prove that it is beyond the cutoff.
 2. The last answer may still be valid because both bodies rest.
 3. Bounding volumes may separate the pair.
-4. The kernel of its row in the pair table is called by address, with the last normal as hint.
+4. Coarse hulls may decide it, or answer as well as is wanted (``coarse_hulls``).
+5. The kernel of its row in the pair table is called by address, with the last normal as hint.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
 )
 from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, raise_lower_end
+from drake_geom_ros.geometry._proximity.pairs.coarse_hulls import hit_or_call
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     BoundedBodies,
     apart,
@@ -45,17 +47,17 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     tolerance_of_pair,
 )
 from drake_geom_ros.geometry._proximity.pairs.kernel_calls import (
-    call_in_order,
     is_plain_overlap,
     recall,
 )
-from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue, Shapes
+from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue, Search, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.tolerances import (
+    COARSEST_GAP,
     EPS,
     PROMISED_ROUNDING,
     ROUNDING,
@@ -152,13 +154,16 @@ def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> b
 
 
 @inlined
-def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
+def _widen(
+    out: Floats, level_gap: float, aimed: float, extent: float, rounding: float, counts: Indices
+) -> None:
     """Add the rounding of a pair's poses [m] to its error bound, and count the pair.
 
     It is counted by its method, and as wide if the bound exceeds the promise. Answers from bounds
-    alone and of solids promise no width.
+    alone and of solids promise no width. ``aimed`` [m] is the gap that iterations aim for.
     """
-    promised = tolerance + PROMISED_ROUNDING * EPS * extent
+    promised = aimed if level_gap <= COARSEST_GAP else level_gap
+    promised += PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > promised
     counts[BY_METHOD + int(out[METHOD])] += 1
     out[ERROR_BOUND] += rounding
@@ -187,7 +192,7 @@ def answer_pairs(
     world: Handle,
     revision: int,
     query: tuple[float, float, bool],
-    first: int,
+    search: tuple[int, float],
     queue: tuple[Indices, Floats],
     hits: Indices,
     counts: Indices,
@@ -195,13 +200,14 @@ def answer_pairs(
     """Update the slots of the pairs that may be within the cutoff; return the number of hits.
 
     ``kernels`` are addresses, ``world`` is a handle, ``memory`` is as made by
-    ``slots.empty_memory``; ``query`` and ``queue`` are plain tuples of the records in ``slots``.
-    ``hits`` gets the numbers of the pairs.
+    ``slots.empty_memory``; ``query``, ``search`` and ``queue`` are plain tuples of the records in
+    ``slots``. ``hits`` gets the numbers of the pairs.
 
     - An infinite level gap uses the current bounds alone: reusing earlier answers would make the
       answer depend on earlier queries.
-    - A ``first`` that is not negative is the pair to begin with, and the first hit ends the loop.
-      A solid that plainly overlaps is a hit, and its slot stays unchanged.
+    - Where one hit will do, the first ends the loop. A pair that is certain to be within
+      ``search.enough`` is a hit, and its slot stays unchanged: a solid that plainly overlaps, or
+      coarse hulls that are that near.
     - A queue that fits all pairs gets those that need a kernel, with lower bounds of their
       distances if it fits these, too. With an empty queue, kernels run.
     - A cutoff below 0 excludes no pair by its depth: boxes that overlap are 0 apart, and the
@@ -215,11 +221,11 @@ def answer_pairs(
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
     halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
-    level_gap, cutoff, penetrating = query
+    (level_gap, cutoff, penetrating), (first, enough) = query, Search(*search)
     p_AB_W, now = np.empty(3), np.empty(PAIR_WIDTH)
     limit = max(cutoff, 0.0)
     far_cutoff = math.inf if math.isinf(level_gap) else limit
-    counts[:], hit_count, any_will_do = 0, 0, first >= 0 and cutoff >= 0.0
+    counts[:], hit_count, any_will_do = 0, 0, enough >= 0.0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -252,8 +258,9 @@ def answer_pairs(
                         return _as_only_hit(k, hits, counts)
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding), level_gap)
                     recall(out, level_gap, types[a], types[b])
-                    call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)
-                _widen(out, tolerance, extent, rounding, counts)
+                    if hit_or_call(a, b, kernels, shapes, poses, p_AB_W, aim, enough, out):
+                        return _as_only_hit(k, hits, counts)
+                _widen(out, level_gap, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
                     raise_lower_end(a, b, bodies, out)
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap

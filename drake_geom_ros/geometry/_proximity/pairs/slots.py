@@ -9,6 +9,7 @@ inside a loop over pairs does cost time, see ``narrow_phase``.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,18 @@ class Query(NamedTuple):
     level_gap: float  # [m] of the level; infinite: bounds alone suffice
     cutoff: float  # [m]
     penetrating: bool  # only pairs that overlap by more than touching are hits
+
+
+class Search(NamedTuple):
+    """A search for all hits, or for one pair that is near enough."""
+
+    first: int  # the pair to begin with; -1: all hits
+    enough: float  # [m] a pair within it will do; ALL: none
+
+
+ALL = -math.inf
+# The search for all hits.
+EVERY_HIT = Search(-1, ALL)[:]
 
 
 class Queue(NamedTuple):

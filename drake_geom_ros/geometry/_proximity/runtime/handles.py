@@ -12,6 +12,7 @@ Under ``NUMBA_DISABLE_JIT=1`` a handle is the record itself.
 
 from __future__ import annotations
 
+from ctypes import addressof, c_char
 from functools import cache
 from itertools import count
 from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
@@ -70,8 +71,16 @@ def handle_of(record: tuple[Any, ...]) -> Handle:
                 f'{type(record).__name__}.{name} is {array.dtype} {array.shape}, or not in one '
                 f'piece; it must be {dtype} {("n", *extents)}'
             )
-        numbers += (array.__array_interface__['data'][0], len(array), *varying)
+        numbers += (_address(array), len(array), *varying)
     return np.array(numbers, dtype=np.int64)
+
+
+def _address(array: NDArray[Any]) -> int:
+    """Return the address of a contiguous array."""
+    if array.size and array.flags.writeable:
+        return addressof(c_char.from_buffer(array.data))  # a fifth of the time of what follows
+    address: int = array.__array_interface__['data'][0]
+    return address
 
 
 @cache

@@ -26,7 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
-from drake_geom_ros.geometry._proximity.pairs.slots import no_queue
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT, no_queue
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
@@ -155,7 +155,7 @@ def nearest_pairs(
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts = np.zeros(COUNTS, dtype=np.int64)
-    memory, queue = np.zeros((1, SLOT_WIDTH)), no_queue()
+    memory, queue, search = np.zeros((1, SLOT_WIDTH)), no_queue(), EVERY_HIT
     best, ends, best_answers = (
         np.empty(most, np.int64),
         np.empty(most),
@@ -186,7 +186,7 @@ def nearest_pairs(
                 forget(memory, 0, 1)
                 pair_query = (level_gap, limit + below, False)
                 answer_pairs(
-                    kernels, one, slot, memory, world, 1, pair_query, -1, queue, hits, counts
+                    kernels, one, slot, memory, world, 1, pair_query, search, queue, hits, counts
                 )
                 end = lower_end(memory[0])
                 if end <= limit and end < math.inf:
@@ -220,6 +220,7 @@ def any_near(
     kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
     level_gap, cutoff, _ = query
+    search = (0, cutoff)  # without what is added below to the cutoff of kernels
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(pairs.shape[0]), np.empty(pairs.shape[0], dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
@@ -243,7 +244,7 @@ def any_near(
             one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
             forget(memory, 0, 1)
             hit_count = answer_pairs(
-                kernels, one, slot, memory, world, 1, pair_query, 0, queue, hits, counts
+                kernels, one, slot, memory, world, 1, pair_query, search, queue, hits, counts
             )
             if may_be_within(hit_count, memory[0], cutoff):
                 out[s], last = True, k

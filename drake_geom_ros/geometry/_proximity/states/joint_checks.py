@@ -167,6 +167,12 @@ def limits_verdict(q: Floats, lower: Floats, upper: Floats) -> int:
 
 
 @inlined
+def _padding_of(checks: CheckArrays, k: int) -> float:
+    """Return the sum of both paddings of pair k [m]."""
+    return checks.paddings[checks.pairs[k, 0]] + checks.paddings[checks.pairs[k, 1]]
+
+
+@inlined
 def _is_near(checks: CheckArrays, hit_count: int, k: int, overlaps: bool) -> bool:
     """Return whether a pair, just answered, overlaps, or may be within the margin [m].
 
@@ -175,7 +181,7 @@ def _is_near(checks: CheckArrays, hit_count: int, k: int, overlaps: bool) -> boo
     if overlaps:
         return hit_count > 0
     out, parameters = checks.memory[0], checks.parameters
-    padding = checks.paddings[checks.pairs[k, 0]] + checks.paddings[checks.pairs[k, 1]]
+    padding = _padding_of(checks, k)
     if padding == 0.0 and parameters[ROUNDED] == 0.0:
         return may_be_within(hit_count, out, parameters[MARGIN])
     if hit_count > 0 and out[SEEN] < 0.0:
@@ -205,6 +211,7 @@ def _any_near_of(
         k = order[r]
         checks.one[0, 0], checks.one[0, 1] = pairs[k, 0], pairs[k, 1]
         forget(memory, 0, 1)
+        enough = 0.0 if overlaps else checks.parameters[MARGIN] + _padding_of(checks, k)
         hit_count = answer_pairs(
             checks.kernels,
             checks.one,
@@ -213,7 +220,7 @@ def _any_near_of(
             checks.world,
             1,
             query,
-            0,
+            (0, enough),
             (checks.waiting, checks.distances),  # no pair waits
             checks.hits,
             checks.counts,

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
-from drake_geom_ros.geometry._proximity.pairs.slots import no_queue
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT, no_queue
 from drake_geom_ros.geometry._proximity.points.point_phase import TableArrays, point_phase
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
@@ -108,7 +108,7 @@ def any_overlap(
         _list(order, count, pairs, some, memory)
         out[s] = False
         if count > 0 and answer_pairs(
-            kernels, some, slots[:count], memory, world, 1, query, 0, queue, hits, counts
+            kernels, some, slots[:count], memory, world, 1, query, (0, 0.0), queue, hits, counts
         ):
             out[s], last = True, order[hits[0]]
     return poses.shape[0]
@@ -149,7 +149,7 @@ def pairs_within_cutoff(
         order[:count].sort()
         _list(order, count, pairs, some, memory)
         count = answer_pairs(
-            kernels, some, slots[:count], memory, world, 1, query, -1, queue, hits, counts
+            kernels, some, slots[:count], memory, world, 1, query, EVERY_HIT, queue, hits, counts
         )
         start = offsets[s]
         if start + count > ids.shape[0]:

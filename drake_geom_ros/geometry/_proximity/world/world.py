@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.runtime.threads import share
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
+from drake_geom_ros.geometry._proximity.world.columns import Columns
 from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, packed_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import (
@@ -100,6 +101,8 @@ _OF_FRAMES = (
     '_posed',
 )
 _OF_GEOMETRIES = ('stamps', 'travels', 'R_WGs', 'p_WGs', 'roundings', 'half_extents')
+# Columns that do not depend on poses, in the order of ``_derived_from``.
+_DERIVED = ('outer_radii', 'inner_radii', 'ball_centres', 'ball_radii')
 _MOST_NEWCOMERS = 64  # anchored geometries that neighbour lists treat as moving ones
 
 
@@ -121,10 +124,12 @@ class World:
         # The frames posed last, and their poses (n, POSE_WIDTH) that are not applied yet.
         self.pending_frames, self.pending_poses = _NOBODY, NO_POSES
         self.is_whole = False  # no frame waits for a first pose
+        self.is_spent = False  # see ``changed``
         # Poses of the last update, if a result refers to them.
         self._kept_poses: ReferenceType[KeptPoses] | None = None
         self.frames = frames
         self.geometries = geometries
+        self._columns = Columns()
         self._R_PFs = np.tile(np.eye(3), (count, 1, 1))
         self._p_PFs = np.zeros((count, 3))
         self.R_WFs = self._R_PFs.copy()
@@ -160,13 +165,8 @@ class World:
         self.has_point_shapes = False
         self._is_empty = _empty_maps(table)
         self._classify(np.zeros(0, dtype=np.int64))
-        (
-            self.outer_radii,
-            self.inner_radii,
-            self.ball_centres,
-            self.ball_radii,
-            self._body_data,
-        ) = _derived_from(table)
+        *derived, self._body_data = _derived_from(table)
+        (self.outer_radii, self.inner_radii, self.ball_centres, self.ball_radii) = derived
         self._make_handle()
 
     def _classify(self, newcomers: Indices) -> None:
@@ -278,6 +278,7 @@ class World:
         self._apply_pending()
         other = World.__new__(World)
         other.__dict__.update(self.__dict__)
+        other._columns = self._columns.copy()
         for name, value in self.__dict__.items():
             if isinstance(value, np.ndarray):
                 setattr(other, name, value.copy())
@@ -302,42 +303,42 @@ class World:
         ``frames`` begin with those of this world. ``new`` (k,) are the changed geometries and
         those that were added, with the rows of ``frames``; ``change`` says where they go.
         ``new_points`` are the shapes of these for points, if this world has such shapes.
+
+        This world is *spent* then, since what moves with poses is changed in place: it may only be
+        ``rebuilt``.
         """
         self._apply_pending()
+        derived, empty = _derived_from(new), _empty_maps(new)
+        self._keep_results()
         other = World.__new__(World)
         other.__dict__.update(self.__dict__)
+        self.is_spent = True
         other._placings = self._placings.copy()
-        other._kept_poses = None  # results of the former world refer to its rows
+        other._columns = columns = self._columns.copy()
         other._add_frames(frames)
-        before, merged, shared = self.geometries, change.merged, change.shared
-        shapes = change.merged_shapes(before[5:], new[5:])
+        before, is_empty = self.geometries, self._is_empty
+        of_table = {
+            name: columns.changed(name, getattr(before, name), getattr(new, name), change)
+            for name in ('ids', 'frames', 'R_FGs', 'p_FGs', 'roundings')
+        }
+        shapes = columns.changed_shapes('pair', before[5:], new[5:], change)
         other.geometries = GeometryTable(
-            shared(before.ids, new.ids),
-            shared(before.frames, new.frames),
-            shared(before.R_FGs, new.R_FGs),
-            shared(before.p_FGs, new.p_FGs),
-            shared(before.roundings, new.roundings),
-            *shapes,
+            **of_table, types=shapes[0], starts=shapes[1], pool=shapes[2]
         )
-        derived = _derived_from(new)
-        other.outer_radii = shared(self.outer_radii, derived[0])
-        other.inner_radii = shared(self.inner_radii, derived[1])
-        other.ball_centres = shared(self.ball_centres, derived[2])
-        other.ball_radii = shared(self.ball_radii, derived[3])
-        other._body_data = merged(self._body_data, derived[4])
+        for name, column in zip(_DERIVED, derived, strict=False):
+            setattr(other, name, columns.changed(name, getattr(self, name), column, change))
+        other._body_data = change.in_place(self._body_data, derived[-1])
         for name in _OF_GEOMETRIES:
-            setattr(other, name, merged(getattr(self, name), 0))
+            setattr(other, name, change.in_place(getattr(self, name), 0))
         if self.has_point_shapes:
-            shapes = change.merged_shapes(self.point_shapes[:3], new_points[:3])
+            shapes = columns.changed_shapes('point', self.point_shapes[:3], new_points[:3], change)
         other.point_shapes = PointShapes.of(*shapes)
-        empty = _empty_maps(new)
-        other._is_empty = merged(self._is_empty, empty)
+        other._is_empty = change.merged(is_empty, empty)
         other.waiting = other.unplaced() | other._is_empty
-        if empty.any() or self._is_empty.any():
+        if empty.any() or is_empty.any():
             other._placings += 1  # lists have no place for what was empty
-        stayed = change.places(self.geometry_count)[self.newcomers]
-        came = change.new[new.frames == 0]
-        other._classify(np.sort(np.concatenate((stayed[stayed >= 0], came))))
+        stayed, came = change.places_of(self.newcomers), change.new[new.frames == 0]
+        other._classify(np.sort(np.concatenate((stayed, came))))
         other._make_handle()
         other._pose_new(change.new)
         return other
@@ -348,7 +349,8 @@ class World:
         more = len(frames.ids) - former
         added = RowChange.appended(former, more)
         for name in _OF_FRAMES:
-            setattr(self, name, added.merged(getattr(self, name), 0))
+            column = getattr(self, name)
+            setattr(self, name, added.merged(column, 0) if more else column.copy())
         if more:
             self._R_PFs[former:] = self.R_WFs[former:] = np.eye(3)
             self._moved[former:] = True
@@ -390,7 +392,7 @@ class World:
         shapes = other.geometries
         self.geometries = self.geometries._replace(starts=shapes.starts, pool=shapes.pool)
         self.point_shapes, self.has_point_shapes = other.point_shapes, other.has_point_shapes
-        for name in ('outer_radii', 'inner_radii', 'ball_centres', 'ball_radii'):
+        for name in _DERIVED:
             setattr(self, name, getattr(other, name).copy())
         self._body_data[:, LEVER] = other._body_data[:, LEVER]
         self._moved[:], self.is_stale = True, True  # all boxes are computed anew
@@ -489,7 +491,11 @@ class World:
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
         self.pending_poses, self.is_stale = X_PFs, True
-        # Results that still exist need the poses of their query.
+        if self._kept_poses is not None:
+            self._keep_results()
+
+    def _keep_results(self) -> None:
+        """Copy the poses of the last query for the results of it that still exist."""
         if self._kept_poses is not None:
             kept_poses, self._kept_poses = self._kept_poses(), None
             if kept_poses is not None:

@@ -82,24 +82,28 @@ def draw_bands(
     paint: Paint,
     depth_range: tuple[float, float],
     empty: int,
+    top: int,
     outputs: Outputs,
 ) -> None:
     """Draw the seen bodies by bands of the size of ``buffers``, and fill ``outputs``.
 
     ``depth_range`` are the least and the largest depth [m] in images, ``empty`` is the label of
-    pixels without a body. All bands are drawn in one call, because between two calls another
-    thread could take Python's lock.
+    pixels without a body, ``top`` is the row of the image in which ``outputs`` begin. All bands
+    are drawn in one call, because between two calls another thread could take Python's lock.
     """
     color, depth, label = outputs
     height = max(len(color), len(depth), len(label))
     rows = len(buffers.depths)
     for first in range(0, height, rows):
-        count = min(rows, height - first)
-        band = Band(first, buffers.depths[:count], buffers.owners[:count], buffers.facets[:count])
+        last = min(first + rows, height)
+        count = last - first
+        band = Band(
+            top + first, buffers.depths[:count], buffers.owners[:count], buffers.facets[:count]
+        )
         draw_band(bodies, seen, band)
         if len(depth):
-            write_depths(band.depths, depth_range[0], depth_range[1], depth[first : first + count])
+            write_depths(band.depths, depth_range[0], depth_range[1], depth[first:last])
         if len(label):
-            write_labels(band.owners, bodies.labels, empty, label[first : first + count])
+            write_labels(band.owners, bodies.labels, empty, label[first:last])
         if len(color):
-            write_colours(bodies, seen, paint, band, color[first : first + count])
+            write_colours(bodies, seen, paint, band, color[first:last])

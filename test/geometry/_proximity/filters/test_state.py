@@ -368,6 +368,35 @@ def test_cliques_can_share_members_and_grow():
     assert state.explain(2, 3) == ['clique first', 'clique second']
 
 
+def test_cliques_at_once_are_those_one_after_the_other():
+    cliques = [(f'{k}', (k, k + 1)) for k in range(1, 29)]
+    cliques += [('large', tuple(range(5, 30))), ('3', (9,)), ('none', ()), ('alone', (30,))]
+    for history in ([], [(1, allowed((3, 4, 9), (3, 4, 9))), (2, between((1,), (2, 8)))]):
+        at_once, in_turn = free(30), free(30)
+        for filter_id, statements in history:
+            at_once.apply_transient(statements, filter_id)
+        version = at_once.version
+        at_once.add_cliques(cliques)
+        # Cliques are below what is transient.
+        in_turn.apply([(EXCLUDE_WITHIN, m, ()) for _, m in (*cliques, ('3', (3, 4, 9)))])
+        for filter_id, statements in history:
+            in_turn.apply_transient(statements, filter_id)
+        assert at_once.version > version
+        assert candidates(at_once) == candidates(in_turn)
+        assert at_once.cliques()['3'] == (3, 4, 9)
+        assert 'none' not in at_once.cliques()
+        at_once.flatten()
+        assert candidates(at_once) == candidates(in_turn)
+
+
+def test_cliques_that_are_there_change_nothing():
+    state = free(4)
+    state.add_cliques([('a', (1, 2)), ('b', (2, 3))])
+    version = state.version
+    state.add_cliques([('a', (1, 2)), ('c', (2, 3))])
+    assert state.version == version
+
+
 # Copies, slots, the log.
 
 

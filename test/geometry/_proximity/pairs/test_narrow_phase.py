@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oracles.worlds import geometry_table
 
+from drake_geom_ros.geometry import Convex
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -19,20 +20,24 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
     BOX,
     CLOSED_FORM,
+    CONVEX,
     ELLIPSOID,
     HALF_SPACE,
     ITERATIVE,
     SPHERE,
 )
 from drake_geom_ros.geometry._proximity.pairs import distance_bounds, narrow_phase
-from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
+from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT, empty_memory
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, COUNTS, FAR, POSTPONED
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
+from drake_geom_ros.geometry.meshes.source import MeshData, coarse_hull_of
+from truth.bodies.random_bodies import random_directions
 
 AT_ONCE = np.empty(0, dtype=np.int64), np.empty(0)
 
@@ -57,12 +62,15 @@ class Loop:
         self.world.set_poses(frames, R_WFs, np.array(ps, dtype=float))
         self.world.update()
 
-    def answer(self, cutoff, level_gap=1e-9, penetrating=False, first=-1, queue=AT_ONCE):
+    def answer(
+        self, cutoff, level_gap=1e-9, penetrating=False, first=-1, enough=0.0, queue=AT_ONCE
+    ):
         """Return the numbers of the hits and {name: count} of what was done."""
         hits, counts = np.empty(len(self.pairs), dtype=np.int64), np.empty(COUNTS, dtype=np.int64)
+        search = EVERY_HIT if first < 0 else (first, enough)
         found = narrow_phase.answer_pairs(
             *(kernel_table.ADDRESSES, self.pairs, self.slots, self.memory, self.world.handle),
-            *(self.world.revision, (level_gap, cutoff, penetrating), first, queue, hits, counts),
+            *(self.world.revision, (level_gap, cutoff, penetrating), search, queue, hits, counts),
         )
         names = {FAR: 'far', CACHED: 'cached', POSTPONED: 'postponed'}
         names |= {BY_METHOD + CLOSED_FORM: 'closed', BY_METHOD + BOUND_ONLY: 'bound'}
@@ -151,6 +159,21 @@ def test_one_hit_is_enough_for_who_says_where_to_begin():
     loop = Loop([SPHERE] * 3, [[0.1]] * 3, [[0, 0, 0], [0.15, 0, 0], [0.3, 0, 0]])
     for first, hit in ((0, 0), (1, 2), (2, 2), (3, 0)):
         assert loop.answer(0.0, penetrating=True, first=first)[0] == [hit]
+
+
+def test_coarse_hulls_are_a_hit_where_they_are_near_enough_for_certain():
+    mesh = MeshData(0.2 * random_directions(np.random.default_rng(0), 300))
+    surface, coarse = Convex.FromMeshData(mesh).hull_surface(), coarse_hull_of(mesh, np.ones(3))
+    hull = hull_parameters(*surface, coarse)
+    loop = Loop([CONVEX] * 2, [hull] * 2, [[0, 0, 0], [0.5, 0, 0]])
+    assert 0.002 < coarse.reach < 0.02  # they are 0.1 to 0.14 apart
+    assert loop.answer(0.3, first=0, enough=0.2) == ([0], {'bound': 1})
+    assert loop.row(0)[SEEN] < 0.0
+    # The cutoff alone makes no hit.
+    assert loop.answer(0.3, first=0, enough=0.05) == ([0], {'iterative': 1})
+    assert 0.1 < loop.row(0)[DISTANCE] < 0.14
+    loop.pose([1], [[0.3, 0, 0]])
+    assert loop.answer(0.0, penetrating=True, first=0) == ([0], {'bound': 1})
 
 
 @pytest.mark.parametrize(('depth', 'hits'), [(1e-15, []), (4e-15, [0]), (-1e-15, [])])

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._joint_gradients import compiled as joint_gradients
 from drake_geom_ros.geometry._proximity.runtime import compiled
 from drake_geom_ros.geometry._proximity.runtime.sources import SOURCES, UNCOMPILED
 from drake_geom_ros.geometry._rendering import compiled as rendering
+from drake_geom_ros.geometry._stops import compiled as stops
 
 pytestmark = pytest.mark.processes
 
@@ -193,6 +194,7 @@ def test_a_constant_a_record_and_a_function_of_another_file_are_seen_in_compiled
         ('_rendering', (*SOURCES, *rendering.SOURCES)),
         ('_contact_surfaces', (*SOURCES, *contact_surfaces.SOURCES)),
         ('_joint_gradients', (*SOURCES, *joint_gradients.SOURCES)),
+        ('_stops', (*SOURCES, *stops.SOURCES)),
     ],
 )
 def test_all_that_compiled_code_uses_is_looked_at(folder, sources):

@@ -15,7 +15,8 @@ from oracles.worlds import filters_of, random_world
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.runtime import compiled
 
-pytestmark = pytest.mark.processes
+# Compiles the kernels of spheres and all that queries need, in the slow way.
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 CODE = """
 import json

@@ -14,6 +14,8 @@ from drake_geom_ros.geometry._proximity.engine import engine as engines
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.runtime import threads as sharing
 
+PATIENCE = 60.0  # [s] of a busy machine
+
 
 @pytest.fixture
 def threads(monkeypatch):
@@ -61,8 +63,10 @@ def test_no_thread_works_for_who_is_more_urgent(threads):
     """Threads that a nice one started are as nice, and do nothing for others."""
     threads(3)
 
+    all_begun = threading.Barrier(3, timeout=PATIENCE)  # so that no thread does two parts
+
     def niceness(first, last):
-        time.sleep(0.05)  # so that no thread does two parts
+        all_begun.wait()
         return os.getpriority(os.PRIO_PROCESS, 0)
 
     def nicely():
@@ -120,12 +124,11 @@ def test_a_forked_process_has_threads_of_its_own(threads):
     child = os.fork()
     if child == 0:
         os._exit(0 if sharing.share(4, lambda first, last: last - first) == [2, 2] else 1)
-    for _ in range(200):
-        ended, status = os.waitpid(child, os.WNOHANG)
-        if ended:
-            break
+    end, ended = time.monotonic() + PATIENCE, 0
+    while not ended and time.monotonic() < end:
         time.sleep(0.05)
-    else:
+        ended, status = os.waitpid(child, os.WNOHANG)
+    if not ended:
         os.kill(child, 9)
         os.waitpid(child, 0)
     assert ended

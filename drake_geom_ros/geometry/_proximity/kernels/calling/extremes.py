@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import EXTREMES
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import COARSE_HULL
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, ELLIPSOID, VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.runtime.addresses import Address, caller
@@ -61,7 +61,7 @@ def resized(kind: int, shape: Floats, exponent: int) -> Floats:
     first, last = 0, shape.size
     if kind == CONVEX:
         # After the number of vertices follow their coordinates, the defect and the ball.
-        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + EXTREMES)
+        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + COARSE_HULL)
     for k in range(first, last):
         copy[k] = math.ldexp(copy[k], exponent)
         if kind == ELLIPSOID:

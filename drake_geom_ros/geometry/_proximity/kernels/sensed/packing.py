@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import unlisted_parameters
-from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import RADIUS
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import COARSE_HULL
 from drake_geom_ros.geometry._proximity.kernels.shapes.maps import (
     CENTRE,
     COUNT,
@@ -35,7 +35,7 @@ Indices = NDArray[np.int64]
 # cell, 23 bits. 62 bits leave the sign positive.
 KEY_BITS, NUMBER_BITS = 13, 23
 DIGIT_BITS, PASSES = 13, 3  # of the sort: 8192 counts stay in a near cache
-HULL = 1 + 3 * 8 + RADIUS  # parameters of the box around all: 8 corners, no lists
+HULL = 1 + 3 * 8 + COARSE_HULL  # parameters of the box around all: 8 corners, no lists
 # Corners of a box by the signs of their coordinates, and its surface from outside.
 _SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 _SURFACE = np.array(

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     ball_in_hull,
+    coarse_hull_at,
+    end_of_header,
     farthest_along_axes,
     farthest_vertex,
     hull_defect,
@@ -76,10 +78,30 @@ def support_value(shape_type: int, shape: Floats, n_G: Vector) -> float:
     return math.inf
 
 
+@inlined
+def _box_of_hull(shape: Floats, R_WG: Floats) -> Vector:
+    """Return half extents [m] of a box around a hull, from its coarse hull and reach if any.
+
+    A scan of thousands of vertices took half of the time of a state of two arms.
+    """
+    at = coarse_hull_at(shape)
+    if at == 0:
+        return farthest_along_axes(shape, R_WG)
+    coarse, reach = part(shape, at + 1, end_of_header(shape, at + 1)), shape[at]
+    x, y, z = farthest_along_axes(coarse, R_WG)
+    return x + reach, y + reach, z + reach
+
+
 @compiled
 def box_half_extents(shape_type: int, shape: Floats, R_WG: Floats, half_extents: Floats) -> None:
-    """Write the half extents (3,) [m] of the World-aligned box about Go around the shape."""
-    if has_hull(shape_type):
+    """Write the half extents (3,) [m] of a World-aligned box about Go around the shape.
+
+    It is the smallest one, except of a hull with a coarse hull: see ``_box_of_hull``.
+    """
+    if shape_type == CONVEX or shape_type == SOLID:
+        half_extents[0], half_extents[1], half_extents[2] = _box_of_hull(shape, R_WG)
+        return
+    if is_map(shape_type):
         half_extents[0], half_extents[1], half_extents[2] = farthest_along_axes(shape, R_WG)
         return
     for k in range(3):

@@ -1,11 +1,18 @@
-"""Packing of a hull's kernel parameters: vertices, an inner ball, edges of a large hull."""
+"""Packing of a hull's kernel parameters: vertices, an inner ball, edges, a coarse hull."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import DEFECT, LISTS
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
+    COARSE_HULL,
+    DEFECT,
+    LISTS,
+)
+from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS, PLAIN_DEPTH
 
 Floats = NDArray[np.float64]
@@ -15,13 +22,28 @@ Indices = NDArray[np.int64]
 CLIMBED = 500
 
 
-def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
+class CoarseHull(NamedTuple):
+    """The hull of some vertices of a hull, and a bound of how far the hull reaches beyond it."""
+
+    vertices: Floats  # (n, 3) [m]
+    triangles: Indices  # (m, 3), counter-clockwise from outside
+    reach: float  # [m]
+
+
+def hull_parameters(
+    vertices: Floats, triangles: Indices, coarse: CoarseHull | None = None
+) -> Floats:
     """Return the parameters of a hull in the layout of ``kernels.shapes.hulls``.
 
     ``vertices`` (n, 3) [m] are the corners of the hull, ``triangles`` (m, 3) its surface,
     counter-clockwise from outside.
     """
-    count, unlisted = len(vertices), unlisted_parameters(vertices, triangles)
+    return _with_coarse_hull(_exact_parameters(vertices, triangles), coarse)
+
+
+def _exact_parameters(vertices: Floats, triangles: Indices) -> Floats:
+    """Return the parameters of a hull without a coarse hull, with lists if it is large."""
+    count, unlisted = len(vertices), _unlisted(vertices, triangles)
     if count < CLIMBED:
         return unlisted
     sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
@@ -42,14 +64,29 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     return np.concatenate((unlisted, places[:6], lists, places[6:]))
 
 
-def unlisted_parameters(vertices: Floats, triangles: Indices) -> Floats:
+def unlisted_parameters(
+    vertices: Floats, triangles: Indices, coarse: CoarseHull | None = None
+) -> Floats:
     """Return the parameters of a hull of any size whose vertices are always scanned.
 
     Bounds from such a hull are certified by all its vertices.
     """
+    return _with_coarse_hull(_unlisted(vertices, triangles), coarse)
+
+
+def _with_coarse_hull(parameters: Floats, coarse: CoarseHull | None) -> Floats:
+    """Return the parameters of a hull, with its coarse hull, if any, at their end."""
+    if coarse is None:
+        return parameters
+    parameters[3 * int(parameters[VERTEX_COUNT]) + COARSE_HULL] = len(parameters)
+    inside = _unlisted(coarse.vertices, coarse.triangles)
+    return np.concatenate((parameters, [coarse.reach], inside))
+
+
+def _unlisted(vertices: Floats, triangles: Indices) -> Floats:
     radius = np.hypot.reduce(vertices, axis=1).max()
     ball = _ball(vertices, triangles)
-    return np.concatenate(([len(vertices)], vertices.T.ravel(), [0.0], ball, [radius]))
+    return np.concatenate(([len(vertices)], vertices.T.ravel(), [0.0], ball, [radius, 0.0]))
 
 
 def _ball(vertices: Floats, triangles: Indices) -> Floats:

@@ -1,10 +1,14 @@
 """Support vertices and radii of convex hulls.
 
 The parameters of a hull are the number n of its vertices, their n x, n y and n z, its *defect*,
-the centre and radius of an inner ball, and its radius about Go. A large hull, with a defect other
-than 0, also has the vertices extreme along -x, x, -y, y, -z, z, the starts of n + 1 lists, and the
-lists of the neighbours of each vertex along the edges (made by ``hull_parameters``). A vertex is
-identified by the index of its x, 1 to n. Vertices alone are a valid hull without a ball.
+the centre and radius of an inner ball, its radius about Go, and where its *coarse hull* begins, 0
+for none. A large hull, with a defect other than 0, also has the vertices extreme along -x, x, -y,
+y, -z, z, the starts of n + 1 lists, and the lists of the neighbours of each vertex along the edges
+(made by ``hull_parameters``). A vertex is identified by the index of its x, 1 to n. Vertices alone
+are a valid hull without a ball.
+
+A coarse hull is the hull of some of the vertices. Its *reach* [m], no less than the distance of
+any point of the hull from it, comes first, then its own parameters.
 
 All vertices of a small hull are scanned, several at a time (``summit``).
 
@@ -28,8 +32,9 @@ from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQ
 DEFECT = 1
 BALL = 2  # 4: centre and radius
 RADIUS = 6
-EXTREMES = 7  # 6: vertices extreme along the axes
-LISTS = 13
+COARSE_HULL = 7  # 0, or where it begins
+EXTREMES = 8  # 6: vertices extreme along the axes
+LISTS = 14
 # Vertices from which on the vectorised scan is faster.
 SEVERAL = 32
 
@@ -48,6 +53,19 @@ def ball_in_hull(shape: Floats) -> tuple[Vector, float]:
     if shape.size <= place + 3:
         return (0.0, 0.0, 0.0), 0.0
     return (shape[place], shape[place + 1], shape[place + 2]), shape[place + 3]
+
+
+@inlined
+def coarse_hull_at(shape: Floats) -> int:
+    """Return where the coarse hull of a hull begins in its parameters, its reach; 0 for none."""
+    place = 3 * int(shape[VERTEX_COUNT]) + COARSE_HULL
+    return int(shape[place]) if shape.size > place else 0
+
+
+@inlined
+def end_of_header(shape: Floats, first: int) -> int:
+    """Return the end of the vertices and the header of the hull that begins at an index."""
+    return first + 3 * int(shape[first + VERTEX_COUNT]) + COARSE_HULL + 1
 
 
 @inlined

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes import bounds
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import PosedShape, shape_radii
+from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
@@ -25,7 +26,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
 )
 from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bounding_interval
-from truth.bodies.random_bodies import random_rotation
+from drake_geom_ros.geometry.meshes.source import MeshData, coarse_hull_of, hull_surface
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 
 def inner_radius(kind, shape):
@@ -124,3 +126,19 @@ def test_the_vertex_towards_a_ball_bounds_from_above():
     for A, B, p_AB in ((*bodies, p), (*bodies[::-1], -p)):
         bounding_interval(A, B, p_AB, out)
         assert out[DISTANCE] + out[ERROR_BOUND] == pytest.approx(upper, abs=1e-13)
+
+
+@pytest.mark.parametrize('count', [130, 700])
+@pytest.mark.parametrize('thickness', [1.0, 1e-3])
+def test_the_box_of_a_coarse_hull_and_its_reach_holds_all_vertices(count, thickness):
+    rng = np.random.default_rng(count)
+    mesh = MeshData(0.2 * random_directions(rng, count) * [1.0, 1.0, thickness] + [0.1, 0.0, 0.3])
+    vertices, triangles = hull_surface(mesh, np.ones(3))
+    coarse, half = coarse_hull_of(mesh, np.ones(3)), np.zeros(3)
+    hull = hull_parameters(vertices, triangles, coarse)
+    for _ in range(20):
+        R = random_rotation(rng)
+        bounds.box_half_extents(CONVEX, hull, R, half)
+        least = np.abs(vertices @ R.T).max(axis=0)
+        assert (half >= least).all()
+        assert (half <= least + coarse.reach * (1.0 + 1e-12)).all()

@@ -91,9 +91,9 @@ def test_the_edge_is_that_of_least_slope(make, count):
 def test_large_hulls_have_edges_and_small_ones_none():
     rng = np.random.default_rng(0)
     small, large = (hull_parameters(*hull(on_ball(n, rng))) for n in (CLIMBED - 1, CLIMBED))
-    assert len(small) == 7 + 3 * (CLIMBED - 1)
+    assert len(small) == 8 + 3 * (CLIMBED - 1)
     assert hull_defect(small) == 0.0
-    assert len(large) > 7 + 3 * CLIMBED
+    assert len(large) > 8 + 3 * CLIMBED
     assert hull_defect(large) > 0.0
 
 
@@ -105,7 +105,7 @@ def test_a_hull_with_many_flat_vertices_is_not_climbed():
     points = np.vstack([np.column_stack([x, y, z]) for z in (bulge, -bulge)])
     vertices, triangles = hull(points)
     assert len(vertices) >= CLIMBED
-    assert len(hull_parameters(vertices, triangles)) == 7 + 3 * len(vertices)
+    assert len(hull_parameters(vertices, triangles)) == 8 + 3 * len(vertices)
 
 
 def test_radius_is_that_of_the_farthest_vertex():
