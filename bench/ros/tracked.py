@@ -1,12 +1,17 @@
-"""What tracked bodies add to a node with two arms: processor time, by turns with and without them.
+"""What tracked bodies add to a node with two arms, and how much of that is for pairs of theirs.
 
     ./run exec python -m bench.ros.tracked [--bodies 50] [--body-rate 30] [--seconds 20]
+        [--crowds clear floor mingling]
 
-Poses of the arms are sent at 100 Hz all the time, the bodies of a tracker in every other turn. No
-body is near an arm, so distances cost the same. A turn is measured when the bodies are there, or
-have left. The first row counts within this process: reading and taking a message of bodies, over
-reading and taking a message of poses with its cycle's distances, medians. The second is the ratio
-of the node's processor time, with bodies over without.
+The arms stand on a floor, and their poses are sent at 100 Hz. Bodies walk up to 1 m/s far away:
+
+- ``clear``: above the floor, 3 m from each other, so no pair of theirs is in an answer;
+- ``floor``: on the floor, so each answer has one pair for each of them;
+- ``mingling``: on the floor, 1 m from each other, so they meet, and more pairs are answered.
+
+First within this process, medians: a message of bodies, read and taken, and a cycle (a message of
+poses, read and taken, with its distances) with bodies over one without, in turns. Then the node's
+processor time with bodies over without, in turns, when the bodies are there or have left.
 """
 
 from __future__ import annotations
@@ -16,6 +21,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -38,13 +44,15 @@ from drake_geom_ros.ros.message_reading import pose_reader, tracked_objects_read
 from drake_geom_ros.scene_files import read_scene
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
-RATE, TURNS, REACH = 100.0, 4, 0.1
+RATE, TURNS, REACH = 100.0, 3, 0.1
 LIFETIME, SETTLED = 1.0, 2.0  # [s]
-_REPEATS = 300
+CROWDS = {'clear': (3.0, 3.0), 'floor': (3.0, 0.9), 'mingling': (1.0, 0.9)}  # spacing, height [m]
+_CYCLES, _WARM_UP = 900, 300
 
 
-def crowd(count: int, seconds: float) -> TrackedObjects:
+def crowd(kind: str, count: int, seconds: float) -> TrackedObjects:
     """Return people who walk far away, at a time [s]."""
+    spacing, z = CROWDS[kind]
     person = Shape(type=Shape.CAPSULE, dimensions=[0.3, 1.2])
     message = TrackedObjects(
         names=[f'person {k}' for k in range(count)],
@@ -52,14 +60,16 @@ def crowd(count: int, seconds: float) -> TrackedObjects:
         lifetimes=[LIFETIME] * count,
     )
     for k in range(count):
-        message.poses.extend([50.0 + k + np.sin(seconds + k), 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+        message.poses.extend(
+            [50.0 + spacing * k + np.sin(seconds + k), 0.0, z, 0.0, 0.0, 0.0, 1.0]
+        )
     now = time.time_ns()
     message.header.stamp = Time(sec=now // 10**9, nanosec=now % 10**9)
     return message
 
 
 class Tracker:
-    """Sends bodies from a thread of its own while it is on."""
+    """Sends bodies from threads of its own."""
 
     def __init__(self, node: Node, count: int, rate: float) -> None:
         self._publisher = node.create_publisher(TrackedObjects, '/scene_graph/tracked_objects', 5)
@@ -67,22 +77,22 @@ class Tracker:
         self._off = threading.Event()
 
     @contextmanager
-    def sending(self) -> Iterator[None]:
-        """Send bodies meanwhile."""
+    def sending(self, kind: str) -> Iterator[None]:
+        """Send a crowd meanwhile."""
         self._off.clear()
-        thread = threading.Thread(target=self._send)
+        thread = threading.Thread(target=self._send, args=(kind,))
         thread.start()
         yield
         self._off.set()
         thread.join()
 
-    def _send(self) -> None:
+    def _send(self, kind: str) -> None:
         while not self._off.wait(1.0 / self._rate):
-            self._publisher.publish(crowd(self._count, time.monotonic()))
+            self._publisher.publish(crowd(kind, self._count, time.monotonic()))
 
 
-def of_node(played: Played, options: argparse.Namespace) -> float:
-    """Return the ratio of processor times of a node with and without bodies."""
+def of_node(played: Played, options: argparse.Namespace) -> None:
+    """Print the node's processor time with each crowd, over that without bodies."""
     rclpy.init()
     driver, executor = rclpy.create_node('driver'), SingleThreadedExecutor()
     executor.add_node(driver)
@@ -92,48 +102,91 @@ def of_node(played: Played, options: argparse.Namespace) -> float:
         tracker = Tracker(driver, options.bodies, options.rate)
         while not route.publisher.get_subscription_count():
             executor.spin_once(timeout_sec=0.1)
-        used = {False: 0.0, True: 0.0}
+        ways = {None: nullcontext} | {
+            each: partial(tracker.sending, each) for each in options.crowds
+        }
+        used, pairs = dict.fromkeys(ways, 0.0), dict.fromkeys(ways, 0)
+        played_for = 0.0  # [s] each way
 
         def play(seconds: float) -> None:
             stream(executor, route, played, RATE, seconds)
 
-        for turn in range(2 * TURNS):
-            with tracker.sending() if turn % 2 else nullcontext():
+        for kind in [*ways] * TURNS:
+            with ways[kind]():
                 play(SETTLED)
-                before = processor(node.pid)
-                play(options.seconds / TURNS / 2)
-                used[bool(turn % 2)] += processor(node.pid) - before
+                before, start = processor(node.pid), time.perf_counter()
+                play(options.seconds / TURNS)
+                used[kind] += processor(node.pid) - before
+                played_for += (time.perf_counter() - start) / len(ways)
+                pairs[kind] = len(route.latest.id_a)
     rclpy.shutdown()
-    return used[True] / used[False]
+    print(f'the node without bodies uses {used[None] / played_for:.1%} of a processor, and')
+    for kind in options.crowds:
+        print(
+            f'  {kind:10} {used[kind] / used[None]:5.2f} times that, '
+            f'{1e3 * (used[kind] - used[None]) / played_for / options.rate:.2f} ms more for each '
+            f'message of bodies; {pairs[kind]} pairs in the last answer, {pairs[None]} without'
+        )
 
 
-def of_messages(played: Played, count: int) -> float:
-    """Return what a message of bodies takes, over one of poses with its distances."""
-    live = LiveScene('exact', Clocks(time.time))
-    with live.editing() as scene:
-        scene.make(addition(read_scene(Path(played.scene_file))))
-    bodies, reader = TrackedInput(live, lambda *_: ''), TrackedObjectsReader()
-    of_bodies, of_poses = tracked_objects_reader(TrackedObjects), pose_reader(FramePoses)
-    poses = FramePoses(frame_names=played.frame_names)
+class Scene:
+    """The arms in this process, with a tracker or without."""
 
-    def take_bodies(k: int) -> float:
-        raw = serialize_message(crowd(count, k / 30.0))
+    def __init__(self, played: Played) -> None:
+        self._live = LiveScene('exact', Clocks(time.time))
+        with self._live.editing() as scene:
+            scene.make(addition(read_scene(Path(played.scene_file))))
+        self._bodies, self._reader = (
+            TrackedInput(self._live, lambda *_: ''),
+            TrackedObjectsReader(),
+        )
+        self._of_bodies, self._of_poses = (
+            tracked_objects_reader(TrackedObjects),
+            pose_reader(FramePoses),
+        )
+
+    def take(self, raw: bytes) -> float:
+        """Return what it takes [s] to read and take a message of bodies."""
         start = time.perf_counter()
-        bodies.take(reader.read(of_bodies.read(raw, 'a'), live.files), 0.0, 'a')
+        bodies = self._reader.read(self._of_bodies.read(raw, 'a'), self._live.files)
+        self._bodies.take(bodies, 0.0, 'a')
         return time.perf_counter() - start
 
-    def cycle(k: int) -> float:
-        poses.poses = np.asarray(played.poses(k / RATE), dtype=np.float64).ravel().tolist()
-        raw = serialize_message(poses)
+    def cycle(self, raw: bytes) -> float:
+        """Return what it takes [s] to read and take poses and to ask for distances."""
         start = time.perf_counter()
-        with live.editing() as scene:
-            scene.poses.take(of_poses.read(raw, 'b'), 0.0, 'b')
+        with self._live.editing() as scene:
+            scene.poses.take(self._of_poses.read(raw, 'b'), 0.0, 'b')
             scene.query.ComputeSignedDistancePairwiseClosestPoints(REACH)
         return time.perf_counter() - start
 
-    times = np.array([[take_bodies(k), cycle(k)] for k in range(_REPEATS)])[_REPEATS // 3 :]
-    first, second = np.median(times, axis=0)
-    return float(first / second)
+
+def of_messages(played: Played, options: argparse.Namespace) -> None:
+    """Print what a message of bodies takes, and what they add to a cycle."""
+    messages = []
+    for k in range(_CYCLES):
+        values = np.asarray(played.poses(k / RATE), dtype=np.float64).ravel().tolist()
+        messages.append(
+            serialize_message(FramePoses(frame_names=played.frame_names, poses=values))
+        )
+    every = round(RATE / options.rate)
+    for kind in options.crowds:
+        alone, crowded = Scene(played), Scene(played)
+        taken, cycles = [], []
+        for k, raw in enumerate(messages):
+            if k % every == 0:
+                taken.append(
+                    crowded.take(serialize_message(crowd(kind, options.bodies, k / RATE)))
+                )
+            cycles.append((alone.cycle(raw), crowded.cycle(raw)))
+        message = float(np.median(taken[_WARM_UP // every :]))
+        without, with_them = np.median(cycles[_WARM_UP:], axis=0)
+        print(
+            f'  {kind:10} a message {message / without:5.2f} of a cycle without bodies '
+            f'({1e6 * message:.0f} of {1e6 * without:.0f} us); '
+            f'a cycle with bodies / without {with_them / without:5.2f}',
+            flush=True,
+        )
 
 
 def main() -> None:
@@ -141,12 +194,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--bodies', type=int, default=50)
     parser.add_argument('--body-rate', dest='rate', type=float, default=30.0, help='[Hz]')
-    parser.add_argument('--seconds', type=float, default=20.0, help='of streaming, each way')
+    parser.add_argument('--seconds', type=float, default=12.0, help='of streaming, each way')
+    parser.add_argument('--crowds', nargs='+', choices=CROWDS, default=list(CROWDS))
     options = parser.parse_args()
     played = two_arms()
-    ratio = of_messages(played, options.bodies)
-    print(f'a message of {options.bodies} bodies / a message of poses with distances: {ratio:.2f}')
-    print(f'processor time of the node, with bodies / without: {of_node(played, options):.2f}')
+    of_messages(played, options)
+    of_node(played, options)
 
 
 if __name__ == '__main__':

@@ -13,7 +13,7 @@ from drake_geom_ros.proximity_rules.monitor import (
     RuleStates,
     ScaleOfRobot,
 )
-from drake_geom_ros.proximity_rules.named_geometries import NamedGeometries
+from drake_geom_ros.proximity_rules.named_geometries import NamedGeometries, geometry_names
 from drake_geom_ros.proximity_rules.rule import (
     Level,
     ProximityRule,
@@ -56,6 +56,7 @@ __all__ = [
     'Why',
     'Zones',
     'check_zone',
+    'geometry_names',
     'is_zone',
     'named_zones',
     'properties_of_zone',

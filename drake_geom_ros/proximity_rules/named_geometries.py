@@ -6,15 +6,16 @@ wildcards, and no rule of level STOPPABLE is about one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
+from drake_geom_ros.common.geometry_names import GeometryNames, carrier_names, is_plain, matches
 from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.geometry import FrameId, GeometryId, SceneGraphInspector
 from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule
 
@@ -28,6 +29,26 @@ class RuleSets(NamedTuple):
     in_b: Flags
     unknown: str = ''  # the first name that matches nothing, if the rule may not lack it
     lacking: tuple[str, ...] = ()
+
+
+def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
+    """Return what a geometry is called."""
+    frame = inspector.GetFrameId(geometry)
+    return GeometryNames(
+        inspector.GetOwningSourceName(geometry),
+        inspector.GetName(frame),
+        inspector.GetName(geometry),
+        frame == inspector.world_frame_id(),
+        carrier_names(_line(inspector, frame)),
+    )
+
+
+def _line(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[tuple[str, str, bool]]:
+    """Yield a frame and those that it hangs on, as ``carrier_names`` takes them."""
+    while frame != inspector.world_frame_id():
+        source, name = inspector.GetOwningSourceName(frame), inspector.GetName(frame)
+        yield source, name, inspector.IsPartOfParent(frame)
+        frame = inspector.GetParentFrame(frame)
 
 
 class NamedGeometries:

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
     Shape,
 )
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules.named_geometries import geometry_names
 
 SENSOR = ('proximity_rules', 'sensor')  # group and name of the property of a zone, true
 SOLID = ('mesh', 'solid')
@@ -53,12 +54,7 @@ def zones_in(inspector: SceneGraphInspector) -> dict[GeometryId, ProximityProper
 
 def named_zones(inspector: SceneGraphInspector) -> dict[str, GeometryId]:
     """Return the zones of a scene by their full names, ``source::frame/geometry``."""
-
-    def name(zone: GeometryId) -> str:
-        frame = inspector.GetName(inspector.GetFrameId(zone))
-        return f'{inspector.GetOwningSourceName(zone)}::{frame}/{inspector.GetName(zone)}'
-
-    return {name(zone): zone for zone in zones_in(inspector)}
+    return {geometry_names(inspector, zone).full_name: zone for zone in zones_in(inspector)}
 
 
 def check_zone(shape: Shape, illustration: GeometryProperties | None) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.proximity_rules import Why
 from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.scene_files.yaml_text import text_of
 
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 _NUMBERS = ('distance', 'error_bound', 'closing_speed', 'limit_distance', 'limit_time')
@@ -64,7 +65,7 @@ def read_events(path: str | Path) -> list[RecordedEvent]:
             except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
                 what = f'document {number + 1} is no ProximityEvents message'
                 raise SceneFileError(f'{what}: {type(error).__name__}: {error}', file) from None
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+    except (yaml.YAMLError, RecursionError) as error:
         raise SceneFileError(f'not YAML: {error}', file) from None
     if not events:
         raise SceneFileError('there is no event in it', file)
@@ -72,10 +73,9 @@ def read_events(path: str | Path) -> list[RecordedEvent]:
 
 
 def _documents(path: Path) -> Iterator[Any]:
-    with path.open(encoding='utf-8') as file:
-        for document in yaml.load_all(file, Loader=_LOADER):
-            if document is not None:  # echo ends its output with a separator
-                yield document
+    for document in yaml.load_all(text_of(path.read_bytes(), str(path)), Loader=_LOADER):
+        if document is not None:  # echo ends its output with a separator
+            yield document
 
 
 def events_of(message: Mapping[str, Any]) -> Iterator[RecordedEvent]:

@@ -187,7 +187,7 @@ class ConfiguredNode:
         self._gates.close()
 
     def close(self) -> None:
-        """Stop, and close everything; who waits for an answer gets it first, if it comes soon."""
+        """Stop, and close everything; answers that come soon are still sent."""
         self._stream.stop()
         self._gates.close()
         self.live.close()
@@ -204,7 +204,7 @@ class ConfiguredNode:
         self.set_cross_check(0.0)
 
     def follow(self, old: NodeParameters, new: NodeParameters) -> None:
-        """Do as changed parameters say."""
+        """Apply changed parameters."""
         with self.live.editing() as scene:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
@@ -236,15 +236,15 @@ class ConfiguredNode:
         self.set_cross_check(0.0)
 
     def _must_stop(self) -> bool:
-        """Return whether what takes long and is to be published is to end."""
+        """Return whether a long publication must end."""
         return self.live.must_stop() or not self._stream.active
 
-    # What is opened.
+    # Topics and services.
 
     def _open_inputs(
         self, values: NodeParameters, point_distances: Publisher
     ) -> PlanningSceneInput:
-        """Listen to poses, points and robot descriptions; return what takes planning scenes."""
+        """Listen to poses, points and robot descriptions; return the input of planning scenes."""
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.poses.watch_motion(values.stale_after)
@@ -337,7 +337,7 @@ class ConfiguredNode:
             )
 
     def _start_timers(self) -> None:
-        """Start what is due again and again, but cycles."""
+        """Start the periodic tasks other than cycles."""
         beside = self._groups.beside
         for period, task, group in (
             *((period, task, beside) for period, task in self._shown.tasks()),
@@ -353,7 +353,7 @@ class ConfiguredNode:
         take = partial(self._guard.attempt, self._take_images)
         self._camera_timer = self._surface.timer(cameras.PERIOD, take, self._groups.images)
 
-    # What is due.
+    # Periodic tasks.
 
     def _publish_scene(self) -> None:
         if self._stream.active:
@@ -399,7 +399,7 @@ class ConfiguredNode:
         self._publish_scene()
 
     def _log_what_is_told(self) -> None:
-        """Log what became of transient filters, in one line, and warnings, one in a line."""
+        """Log the ends of transient filters in one line, and each warning in its own."""
         with self.live.editing() as scene:
             notes, warnings = scene.log.take()
         for warning in warnings:
@@ -451,7 +451,7 @@ class ConfiguredNode:
 def _trajectory_watch(
     live: LiveScene, publishers: Mapping[str, Publisher], logger: Any, judged: Beside
 ) -> TrajectoryWatch:
-    """Return what judges the trajectories that run."""
+    """Return the judge of running trajectories."""
     return TrajectoryWatch(
         live,
         publishers['~/trajectory_states'],

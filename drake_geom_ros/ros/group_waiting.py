@@ -14,6 +14,7 @@ from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client
+from rclpy.event_handler import EventHandler
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor
 from rclpy.guard_condition import GuardCondition
@@ -36,6 +37,7 @@ _KINDS: dict[type, str] = {
 }
 # In which rclpy serves what is ready together.
 _ORDER = (_WAITABLE, *_KINDS.values())
+_PLACE = '_event_index'  # of an event, in a wait set
 _SIZES = 'subscription', 'guard_condition', 'timer', 'client', 'service'  # of a wait set
 
 
@@ -43,7 +45,8 @@ def can_keep_wait_sets() -> bool:
     """Return whether this rclpy has inside what is used here, which is none of its API."""
     wait_set = getattr(rclpy_implementation, 'WaitSet', None)
     takes = all(hasattr(Executor, f'_take_{kind}') for kind in _ORDER)
-    return takes and all(hasattr(wait_set, name) for name in _NEEDED)
+    events = _PLACE in EventHandler.__init__.__code__.co_names
+    return takes and events and all(hasattr(wait_set, name) for name in _NEEDED)
 
 
 class GroupWaitSet:
@@ -75,7 +78,9 @@ class GroupWaitSet:
             ]
 
     def _is_taken(self, entity: Any, kind: str, open_ones: ExitStack) -> bool:
-        """Put an entity into the wait set; return whether it was not closed before."""
+        """Put an entity into the wait set; return whether it is made, and not closed again."""
+        if _is_being_made(entity):
+            return False
         try:
             if kind == _WAITABLE:
                 open_ones.enter_context(entity)
@@ -112,3 +117,12 @@ class GroupWaitSet:
 
 def _kind_of(entity: Any) -> str:
     return next((kind for it, kind in _KINDS.items() if isinstance(entity, it)), _WAITABLE)
+
+
+def _is_being_made(entity: Any) -> bool:
+    """Return whether another thread is making an entity.
+
+    rclpy has an event in its group before it has the event's handle; its place in a wait set is
+    what it sets last. It is in the group's list, so the next wait takes it.
+    """
+    return isinstance(entity, EventHandler) and not hasattr(entity, _PLACE)

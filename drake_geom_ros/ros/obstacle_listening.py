@@ -75,7 +75,7 @@ _LASTING_PERIOD = 0.1  # [s] between two looks whether frames of static maps wer
 
 
 def _sensed(source: ObstacleSource) -> list[tuple[str, str]]:
-    """Return what a process of its own listens to: what comes there, and the topic."""
+    """Return the kind of message and the topic that the sensor process listens to."""
     if source.type == DEPTH_IMAGE:
         return [(CAMERA, camera_info_of(source.topic)), (IMAGE, source.topic)]
     kinds = {POINT_CLOUD: CLOUD, LASER_SCAN: SCAN, RANGE: CONE}
@@ -165,7 +165,7 @@ class ObstacleListening:
         return cells
 
     def listed(self) -> list[ListedSource]:
-        """Return what is listened to."""
+        """Return the open sources."""
         inputs = self.inputs
         return [
             ListedSource(*each, inputs[name].counts.taken)
@@ -183,7 +183,7 @@ class ObstacleListening:
         return ObstacleInput(source, self._live, settings, self._hanging, self._changed)
 
     def _follow(self, scene: HeldScene) -> None:
-        """Have the scene know the sources, and what it has to know of each."""
+        """Register the sources in the scene, each with its settings."""
         now, live = self._now, self._live
         sources = {name: each.source for name, each in self._sources.items()}
         live.map_sources = MapSources(
@@ -208,7 +208,7 @@ class ObstacleListening:
         scene.maps.sources = saved_sources(sources.values())
 
     def tell(self, status: Any) -> None:
-        """Add to a status of diagnostics what became of messages."""
+        """Add counts of taken and refused messages to a diagnostic status."""
         add_values(status, self._values())
         for trouble in self._troubles():
             add_trouble(status, trouble)
@@ -219,7 +219,7 @@ class ObstacleListening:
                 add_trouble(status, trouble)
 
     def close(self) -> None:
-        """End the process; nobody who calls this has the scene, which it may wait for."""
+        """End the process; the caller must not hold the scene, for which it may wait."""
         if self._process is not None:
             self._process.close()
 
@@ -242,6 +242,7 @@ class ObstacleListening:
         for name in self._maps.keys() - maps.keys():
             self._surface.close_subscription(self._maps.pop(name))
             self._late.forget(name)
+            self._lasting.forget(name)
         for name in maps.keys() - self._maps.keys():
             self._maps[name] = self._listen(maps[name])
 
@@ -285,10 +286,11 @@ class ObstacleListening:
         def hear(message: Any, info: MessageInfo) -> None:
             def attempt() -> None:
                 refuse_misread_numbers(message)
-                attempted = partial(take, message, waited(info), publisher_of(info), patience=0.0)
+                publisher = publisher_of(info)
+                attempted = partial(take, message, waited(info), publisher, patience=0.0)
                 if source.static:
                     header = its_map.framed(message.header)
-                    self._lasting.take(source.name, header, attempted)
+                    self._lasting.take(source.name, publisher, header, attempted)
                 else:
                     attempted()
 
@@ -325,7 +327,7 @@ def _profile(source: ObstacleSource) -> QoSProfile:
 def _topic(
     surface: Surface, source: ObstacleSource, kind: str, topic: str, *, its_own: bool
 ) -> SensorTopic:
-    """Return what a process has to know to listen to a topic of this node."""
+    """Return the options of a process that listens to a topic of this node."""
     name, profile = surface.heard_elsewhere(topic, _profile(source), comes_and_goes=its_own)
     return SensorTopic(
         source.name,

@@ -279,7 +279,7 @@ _RANGES = {
     'max_answer_size': (0.0, 2000.0),
     'watchdog': (0.0, 86400.0),
 }
-# Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into
+# Rarer than once in this time [s] is no sensible rate, and periods that do not fit into
 # 64 bits of nanoseconds are far beyond; a rate of 0 means none.
 _LONGEST_PERIOD = 1000.0
 _LEAST_RATES = dict.fromkeys(('rate', 'cross_check'), 1.0 / _LONGEST_PERIOD)
@@ -373,7 +373,7 @@ def declared(node: Node, name: str, default: object, descriptor: ParameterDescri
     be.
     """
     start = list(default) if isinstance(default, tuple) else default
-    # Whatever was given is let in, to be refused in words that say what is allowed.
+    # Values of any type are declared, and then refused with the types that are allowed.
     anything = ParameterDescriptor(dynamic_typing=True)
     set_value = node.declare_parameter(name, start, anything).value
     value = (
@@ -457,7 +457,7 @@ def _refusal(values: NodeParameters) -> str:
 
 
 def _refusal_of_cross_check() -> str:
-    """Return why nobody can be asked for a second opinion, or an empty text."""
+    """Return why no second opinion is available, or an empty text."""
     from drake_geom_ros.cross_check.asker import missing
 
     if not (names := missing()):

@@ -30,19 +30,19 @@ from drake_geom_ros.ros.services.table import (
 from drake_geom_ros.ros.topics import OUTPUTS
 
 VERSION = '0.2.0'  # of the format
-# What the node has, by names as it gives them: ~ is its own.
+# Topics and services of the node; ~ is its private namespace.
 # Topics of cameras and rules come and go: the star stands for any of them.
 RESULTS = (*OUTPUTS, '~/transition_event', '~/cameras/*', '~/proximity_rules/*')
 SHARED_RESULTS = ('/tf', '/tf_static')  # of cameras
 INPUTS = tuple(row.topic for row in topics.INPUTS if '{' not in row.topic)
-# What its process of sensors hears, a node of its own.
+# Topics of the process that takes sensor messages, a node of its own.
 SENSED = (
     '~/obstacles/points',
     *('~/obstacles/depth/image_rect_raw', '~/obstacles/depth/camera_info'),
 )
 ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
 CLOCK = ('/clock',)
-# What every node of rclpy has, and what one with a life cycle has besides.
+# Topics and services of every rclpy node, and those of life cycle nodes.
 LOGS = ('/parameter_events', '/rosout')
 OWN_SERVICES = tuple(
     f'~/{name}'
@@ -82,7 +82,7 @@ def policy(
     node = f'{root}{name}'
 
     def full(names: Iterable[str]) -> list[str]:
-        """Return names of the node as all know them."""
+        """Return fully qualified names of the node's topics and services."""
         absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
         return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
 
@@ -129,7 +129,7 @@ def _beside(profiles: ElementTree.Element, namespace: str, node: str) -> Element
 
 
 def _allow(profile: ElementTree.Element, kind: str, action: str, names: Iterable[str]) -> None:
-    """Let a profile do something with topics or services; nothing is said of none."""
+    """Grant a profile access to topics or services, if there are any."""
     if names := sorted(names):
         listed = ElementTree.SubElement(profile, kind, {action: 'ALLOW'})
         for each in names:

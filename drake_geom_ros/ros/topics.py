@@ -40,7 +40,7 @@ from drake_geom_ros.ros.surface import (
     transforms,
 )
 
-# What is offered; a listener may ask for as much or for longer. A machine that others load may
+# Offered lease; a listener may ask for as much or for longer. A machine that others load may
 # keep a thread of the node waiting for some tenths of a second.
 DEADLINE = 0.5  # [s] between two values of ~/speed_scale
 LEASE = 1.0  # [s] after which a node without a sign of life counts as dead

@@ -22,6 +22,7 @@ PAGE = (ROOT / 'docs/installation.md').read_text()
 LEFT_OUT = shutil.ignore_patterns('.*', 'build', 'install', 'log', 'out', '__pycache__')
 
 pytestmark = [
+    pytest.mark.packaging,
     pytest.mark.topics,
     pytest.mark.skipif(not shutil.which('colcon'), reason='colcon is not installed'),
 ]

@@ -52,8 +52,11 @@ def run(tmp_path):
     return run
 
 
-@pytest.mark.parametrize('options', [(), ('-n', '2')], ids=['one process', 'two workers'])
-@pytest.mark.parametrize('mark', ['processes', 'topics', 'clock'])
+@pytest.mark.parametrize(
+    ('mark', 'options'),
+    [('processes', ()), ('topics', ()), ('clock', ()), ('processes', ('-n', '2'))],
+    ids=lambda value: value if isinstance(value, str) else 'alone' if not value else 'two workers',
+)
 def test_a_race_that_passes_alone_is_named_and_the_run_stays_green(run, tmp_path, mark, options):
     code, output = run(f"@pytest.mark.{mark}\ndef test_race(): fail_once('runs')", *options)
     assert code == 0, output

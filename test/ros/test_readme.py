@@ -63,6 +63,21 @@ def test_the_tutorial_of_a_robot_stops_it(tmp_path, lone_client):
     assert f'```\n{done.stdout}```' in (ROOT / page).read_text()
 
 
+def test_the_page_of_gates_drives_to_the_wall_and_stands(tmp_path, lone_client):
+    page = 'docs/gates.md'
+    for block in blocks(page):
+        if block.title:
+            (tmp_path / block.title).write_text(block.text)
+    node = start_node(tmp_path / 'log', scene_file=tmp_path / 'floor.yaml')
+    try:
+        wait_until_ready(lone_client)
+        done = run_python(tmp_path / 'drive.py')
+    finally:
+        node.end()
+    assert done.returncode == 0, done.stderr + node.output()
+    assert f'```\n{done.stdout}```' in (ROOT / page).read_text()
+
+
 def test_the_scene_of_the_first_tutorial_is_the_smallest_that_ships():
     (scene,) = [b.text for b in blocks('docs/tutorials/first_scene.md') if b.language == 'yaml']
     assert scene == (ROOT / 'scenes/minimal.yaml').read_text()

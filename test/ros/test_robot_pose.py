@@ -1,7 +1,5 @@
 """The key ``pose`` of a robot in a scene file: where its base stands until somebody poses it."""
 
-import time
-
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
@@ -115,7 +113,9 @@ def test_a_loaded_scene_does_the_same_until_messages_or_tf_pose_the_base(client,
 
     client.wait_for(is_posed, 'the pose of the base')
     assert place_of(client, 'right::hand') == pytest.approx((1, 5, 0), abs=1e-12)
-    client.spin_until(time.monotonic() + 0.3)  # the last of the messages has been taken
+    # They are taken in order, so after another one none of them is left.
+    publisher.publish(poses(['base'], [(0, 6, 0)], 'right'))
+    client.wait_for(lambda: place_of(client, 'right::base') == (0, 6, 0), 'the last message')
     send(client, 'world', 'right/base', 7, static=True)
     wait_until_at(client, 'right::base', 7, 0, 0)
     assert place_of(client, 'right::hand') == pytest.approx((8, 0, 0), abs=1e-12)

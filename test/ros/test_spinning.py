@@ -13,11 +13,12 @@ import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.event_handler import EventHandler
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.waitable import Waitable
 from ros.harness import environment, run_python
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.ros import spinning
+from drake_geom_ros.ros import group_waiting, spinning
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
 pytestmark = pytest.mark.topics
@@ -241,6 +242,23 @@ def test_a_publisher_that_another_thread_closes_between_two_looks_ends_nothing(n
     node.create_timer(0.01, lambda: done.set_result(None))
     run()
     assert closed == [True]
+    assert done.done()
+
+
+def test_where_events_have_another_inside_no_wait_set_is_kept(monkeypatch):
+    """Otherwise each event would count as one that is still being made, and nobody hear of it."""
+    monkeypatch.setattr(EventHandler, '__init__', lambda self, *arguments: None)
+    assert not group_waiting.can_keep_wait_sets()
+
+
+def test_an_event_that_another_thread_is_making_ends_nothing(node):
+    """rclpy has it in its group before it has the handle of the event."""
+    group = MutuallyExclusiveCallbackGroup()
+    done, run = spin(node, (group,))
+    begun = EventHandler.__new__(EventHandler)
+    Waitable.__init__(begun, group)
+    node.create_timer(0.01, lambda: done.set_result(None), callback_group=group)
+    run()
     assert done.done()
 
 

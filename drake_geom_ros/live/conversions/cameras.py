@@ -18,6 +18,7 @@ from drake_geom_ros.live.conversions.fields import (
     uint8s,
     unsigned,
 )
+from drake_geom_ros.live.conversions.message_types import CameraMessage
 from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import (
@@ -37,7 +38,7 @@ _ENCODINGS = {'color': ('rgb8', 3), 'depth': ('32FC1', 4), 'label': ('16SC1', 2)
 _HALF_PIXEL = 0.5
 
 
-def camera_from_message(message: Any, name: str) -> CameraDescription:
+def camera_from_message(message: CameraMessage, name: str) -> CameraDescription:
     """Return the camera of a Camera message, without its frame; RuntimeError for what is none."""
     focal = list(message.intrinsics) or ([message.fov_y] if message.fov_y else [])
     p, q = message.pose.position, message.pose.orientation

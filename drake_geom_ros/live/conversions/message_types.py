@@ -6,7 +6,7 @@ A class has the fields of the message that its docstring names; any object with 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 
 class TimeMessage(Protocol):
@@ -115,11 +115,30 @@ class TrajectoryPointMessage(Protocol):
     time_from_start: TimeMessage
 
 
-class TrajectoryMessage(Protocol):
+class TrajectoryMessage(StampedMessage, Protocol):
     """trajectory_msgs/JointTrajectory."""
 
     joint_names: Sequence[str]
     points: Sequence[TrajectoryPointMessage]
+
+
+class MultiDofTrajectoryMessage(StampedMessage, Protocol):
+    """trajectory_msgs/MultiDOFJointTrajectory."""
+
+    joint_names: Sequence[str]
+    points: Sequence[Any]
+
+
+class JointPositionsMessage(Protocol):
+    """drake_geom_msgs/JointPositions: values [rad] or [m] by joint."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The joints."""
+
+    @property
+    def positions(self) -> Sequence[float]:
+        """Their values."""
 
 
 class GeometrySetMessage(Protocol):
@@ -143,6 +162,84 @@ class FilterDeclarationMessage(Protocol):
     """drake_geom_msgs/CollisionFilterDeclaration."""
 
     statements: Sequence[FilterStatementMessage]
+
+
+class ShapeMessage(Protocol):
+    """drake_geom_msgs/Shape: its type by number, and its sizes [m]."""
+
+    type: int
+    dimensions: Sequence[float]
+    mesh_uri: str
+    vertices: Sequence[float]
+    triangles: Sequence[int]
+
+
+class PropertyMessage(Protocol):
+    """drake_geom_msgs/Property; the value is that of a parameter."""
+
+    group: str
+    name: str
+    value: Any
+
+
+class RoleMessage(Protocol):
+    """drake_geom_msgs/Role."""
+
+    role: int
+    properties: Sequence[PropertyMessage]
+
+
+class NewGeometryMessage(Protocol):
+    """drake_geom_msgs/NewGeometry: on a frame, or where another geometry is."""
+
+    frame: str
+    parent_geometry: str
+    name: str
+    pose: PoseMessage
+    shape: ShapeMessage
+    roles: Sequence[RoleMessage]
+
+
+class CameraMessage(Protocol):
+    """drake_geom_msgs/Camera."""
+
+    name: str
+    frame: str
+    pose: PoseMessage
+    width: int
+    height: int
+    fov_y: float
+    intrinsics: Sequence[float]
+    near: float
+    far: float
+    rate: float
+    images: Sequence[str]
+    shows: str
+
+
+class RuleMessage(Protocol):
+    """drake_geom_msgs/ProximityRule: distances [m], times [s]."""
+
+    name: str
+    set_a: Sequence[str]
+    set_b: Sequence[str]
+    level: int
+    enter: float
+    leave: float
+    hold: float
+    enter_after: float
+    min_time_to_contact: float
+    when_stale: str
+    scale: Sequence[float]
+    acknowledge: bool
+    min_points: int
+    joint_names: Sequence[str]
+    decelerations: Sequence[float]
+    stopping_times: Sequence[float]
+    reaction_time: float
+    margin: float
+    max_speed: float
+    stop_category: int
 
 
 class PointFieldMessage(Protocol):

@@ -63,8 +63,9 @@ def _misread(message: Any, path: str) -> Iterator[tuple[str, float]]:
             yield f'{path}{name}', value
     for name in fields.arrays:
         values = np.asarray(getattr(message, name), dtype=np.float64)
-        if values.size and (bad := np.flatnonzero(is_misread(values))).size:
-            yield f'{path}{name}[{bad[0]}]', float(values[bad[0]])
+        if (is_bad := is_misread(values)).any():
+            first = int(np.argmax(is_bad))
+            yield f'{path}{name}[{first}]', float(values[first])
     for name in fields.messages:
         yield from _misread(getattr(message, name), f'{path}{name}.')
     for name in fields.sequences:

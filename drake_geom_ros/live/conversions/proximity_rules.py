@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.live.conversions.fields import floats, uint8s, uint32s, unsigned
+from drake_geom_ros.live.conversions.message_types import RuleMessage
 from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.proximity_rules import (
     Event,
+    Level,
     ProximityRule,
     RuleError,
     RuleStates,
@@ -38,7 +40,7 @@ _COUNTS = {
 _PAIRS = ('scale', 'stopping_times')  # lists of points
 
 
-def rule_from_message(message: Any) -> ProximityRule:
+def rule_from_message(message: RuleMessage) -> ProximityRule:
     """Return the rule of a ProximityRule message; raises RuleError for what cannot be."""
     try:
         scale, times = scale_points(message.scale), stopping_points(message.stopping_times)
@@ -49,7 +51,7 @@ def rule_from_message(message: Any) -> ProximityRule:
         message.name,
         tuple(message.set_a),
         tuple(message.set_b),
-        message.level,
+        cast(Level, message.level),  # which ProximityRule checks
         **numbers,
         when_stale=message.when_stale,
         scale=scale,
@@ -142,7 +144,7 @@ def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], st
 def fill_what_decided(
     message: Any, events: Sequence[Event], query: QueryObject, stale_after: float
 ) -> None:
-    """Fill in what events were decided by, so that each can be computed again.
+    """Fill in the inputs of the decisions, so that each can be computed again.
 
     ``query`` has the poses that were decided by, ``stale_after`` is the age [s] of a stale pose.
     """

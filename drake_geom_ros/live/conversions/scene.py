@@ -25,6 +25,7 @@ from drake_geom_ros.geometry import (
     SceneGraphInspector,
 )
 from drake_geom_ros.live.conversions.fields import fill_pose, fill_pose_row
+from drake_geom_ros.live.conversions.message_types import RoleMessage
 from drake_geom_ros.live.conversions.shapes import fill_shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import poses_from_matrices
@@ -68,7 +69,7 @@ def role_from_number(number: int) -> Role:
     )
 
 
-def properties_from_message(message: Any) -> GeometryProperties:
+def properties_from_message(message: RoleMessage) -> GeometryProperties:
     """Return the properties of a Role message, of the class of its role."""
     role_from_number(message.role)
     properties = next(kind for number, _, kind in _ROLES if number == message.role)()
@@ -98,7 +99,7 @@ def _check_finite(group: str, name: str, value: Any) -> None:
             raise ArgumentError(f"property ('{group}', '{name}') is {item}; it must be finite")
 
 
-def set_role(instance: GeometryInstance, message: Any) -> None:
+def set_role(instance: GeometryInstance, message: RoleMessage) -> None:
     """Give an instance the role of a Role message; raises RuntimeError where it has it already."""
     properties = properties_from_message(message)
     name = role_from_number(message.role).name.removeprefix('k').lower()

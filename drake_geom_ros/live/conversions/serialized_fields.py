@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -16,6 +16,9 @@ import numpy as np
 LITTLE_ENDIAN = b'\x00\x01\x00\x00'
 BEGIN = len(LITTLE_ENDIAN)
 _WORD = 4  # [bytes]
+_MOST_BYTES = 4_000_000  # in common that are kept of all senders
+_MOST_SENDERS = 64
+_KINDS = {'d': np.dtype('<f8'), 'Q': np.dtype('<u8')}
 _SLACK = 4  # [bytes] that Fast DDS leaves behind a message for each empty array, at most
 
 
@@ -57,7 +60,7 @@ def arrays_in(raw: bytes, at: int, codes: str, empty: int = 0) -> list[Any]:
         if at + 8 * count > len(raw):
             raise NoFitError
         # Copied, for in the message they may stand where a processor reads them slowly.
-        values = np.frombuffer(raw, f'<{code.replace("d", "f8").replace("Q", "u8")}', count, at)
+        values = np.frombuffer(raw, _KINDS[code], count, at)
         arrays.append(values.astype(np.float64) if code == 'd' else values.tolist())
         at += 8 * count
     if len(raw) - at > _SLACK * (len(codes) + 1 + empty):
@@ -101,3 +104,33 @@ class CommonBytes:
             return False
         words = np.frombuffer(raw, np.uint32, len(self._masks), BEGIN)
         return not ((words ^ self._words) & self._masks).any()
+
+
+class HasCommonBytes(Protocol):
+    """The part of a message that was read, with its bytes."""
+
+    @property
+    def common(self) -> CommonBytes:
+        """The bytes of the part."""
+
+
+_Part = TypeVar('_Part', bound=HasCommonBytes)
+
+
+class PartsOfSenders(Generic[_Part]):
+    """The parts that messages of each sender have in common, while they are small altogether."""
+
+    def __init__(self) -> None:
+        self._parts: dict[str, _Part] = {}
+
+    def part_in(self, raw: bytes, sender: str) -> _Part | None:
+        """Return the part of the last message, if this message begins with it, too."""
+        part = self._parts.get(sender)
+        return part if part is not None and part.common.are_in(raw) else None
+
+    def keep(self, sender: str, part: _Part) -> None:
+        """Keep the part of a message."""
+        size = sum(each.common.size for each in self._parts.values())
+        if len(self._parts) >= _MOST_SENDERS or size + part.common.size > _MOST_BYTES:
+            self._parts.clear()
+        self._parts[sender] = part

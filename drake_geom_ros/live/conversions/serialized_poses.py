@@ -17,6 +17,7 @@ from drake_geom_ros.live.conversions.serialized_fields import (
     LITTLE_ENDIAN,
     CommonBytes,
     NoFitError,
+    PartsOfSenders,
     aligned,
     arrays_in,
     count_at,
@@ -25,8 +26,6 @@ from drake_geom_ros.live.conversions.serialized_fields import (
 from drake_geom_ros.math.array_types import Floats
 
 _NAMES_AT = 8  # behind the stamp
-_MOST_BYTES = 4_000_000  # of names that are kept
-_MOST_SENDERS = 64
 
 
 class ReadJointState(NamedTuple):
@@ -93,27 +92,22 @@ class PoseReader:
     def __init__(self, kind: str, stamp: Callable[[int, int], Any]) -> None:
         """``kind`` is the name of the type, ``stamp`` makes a builtin_interfaces/Time."""
         self._layout, self._stamp = _LAYOUTS[kind], stamp
-        self._names: dict[str, _Names] = {}
+        self._names: PartsOfSenders[_Names] = PartsOfSenders()
 
     def read(self, raw: bytes, sender: str = '') -> Any:
         """Return a message; None for one that is laid out otherwise.
 
         It has the fields that the message of ROS has; texts are in tuples, numbers in arrays.
         """
-        names = self._names.get(sender)
-        is_known = names is not None and names.common.are_in(raw)
+        last = self._names.part_in(raw, sender)
         try:
-            if names is None or not is_known:
-                names = _names_in(raw, self._layout.texts)
+            names = last or _names_in(raw, self._layout.texts)
             arrays = arrays_in(raw, BEGIN + names.common.size, self._layout.arrays)
             seconds, nanoseconds = struct.unpack_from('<iI', raw, BEGIN)
         except NoFitError:
             return None
-        if not is_known:
-            size = sum(each.common.size for each in self._names.values())
-            if len(self._names) >= _MOST_SENDERS or size + names.common.size > _MOST_BYTES:
-                self._names.clear()
-            self._names[sender] = names
+        if last is None:
+            self._names.keep(sender, names)
         header = Header(self._stamp(seconds, nanoseconds), names.frame_id)
         return self._layout.kind(header, *names.members, *arrays)
 

@@ -19,6 +19,7 @@ from drake_geom_ros.live.conversions.serialized_fields import (
     LITTLE_ENDIAN,
     CommonBytes,
     NoFitError,
+    PartsOfSenders,
     aligned,
     arrays_in,
     count_at,
@@ -27,8 +28,6 @@ from drake_geom_ros.live.conversions.serialized_fields import (
 from drake_geom_ros.math.array_types import Floats
 
 _NAMES_AT = 8  # behind the stamp
-_MOST_BYTES = 4_000_000  # of names and shapes that are kept
-_MOST_SENDERS = 64
 
 
 class ReadShape(NamedTuple):
@@ -75,28 +74,23 @@ class TrackedObjectsBytes:
     def __init__(self, stamp: Callable[[int, int], Any]) -> None:
         """``stamp`` makes a builtin_interfaces/Time."""
         self._stamp = stamp
-        self._bodies: dict[str, _Bodies] = {}
+        self._bodies: PartsOfSenders[_Bodies] = PartsOfSenders()
 
     def read(self, raw: bytes, sender: str = '') -> ReadTrackedObjects | None:
         """Return a message; None for one that is laid out otherwise.
 
         Of messages with the same bodies ``shapes`` is the same tuple.
         """
-        bodies = self._bodies.get(sender)
-        is_same = bodies is not None and bodies.common.are_in(raw)
+        last = self._bodies.part_in(raw, sender)
         try:
-            if bodies is None or not is_same:
-                bodies = _Walk(raw).bodies()
+            bodies = last or _Walk(raw).bodies()
             at = BEGIN + bodies.common.size
             poses, velocities, lifetimes = arrays_in(raw, at, 'ddd', bodies.empty)
             seconds, nanoseconds = struct.unpack_from('<iI', raw, BEGIN)
         except NoFitError:
             return None
-        if not is_same:
-            size = sum(each.common.size for each in self._bodies.values())
-            if len(self._bodies) >= _MOST_SENDERS or size + bodies.common.size > _MOST_BYTES:
-                self._bodies.clear()
-            self._bodies[sender] = bodies
+        if last is None:
+            self._bodies.keep(sender, bodies)
         header = Header(self._stamp(seconds, nanoseconds), bodies.frame_id)
         return ReadTrackedObjects(
             header, bodies.names, bodies.shapes, poses, velocities, lifetimes, bodies.sizes

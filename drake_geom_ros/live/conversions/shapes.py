@@ -25,6 +25,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.live.conversions.fields import fill_floats, floats, uint32s
 from drake_geom_ros.live.conversions.file_access import FileAccess
+from drake_geom_ros.live.conversions.message_types import ShapeMessage
 
 # Shape.type, the class, and the names of its dimensions in the message's order.
 _PRIMITIVES: tuple[tuple[int, type, tuple[str, ...]], ...] = (
@@ -42,7 +43,7 @@ _MAPS: dict[int, type[OccupiedCells] | type[PointCloud]] = {
 }
 
 
-def shape_from_message(message: Any, files: FileAccess) -> Shape:
+def shape_from_message(message: ShapeMessage, files: FileAccess) -> Shape:
     """Return the shape of a Shape message; raises RuntimeError for what is none.
 
     A mesh comes as numbers, or as a file that ``files`` lets be opened.
@@ -72,7 +73,7 @@ def shape_from_message(message: Any, files: FileAccess) -> Shape:
     )
 
 
-def _mesh_from_message(message: Any, files: FileAccess) -> Shape:
+def _mesh_from_message(message: ShapeMessage, files: FileAccess) -> Shape:
     """Return the Convex or Mesh of a Shape message: of its file, or of its vertices."""
     make = Convex if message.type == ShapeKind.CONVEX else Mesh
     if len(message.dimensions) not in (0, 1, 3):

@@ -78,11 +78,11 @@ class TrackedObjectsReader:
                 raise ArgumentError(
                     'header.stamp is 0; velocities belong to the poses of their time'
                 )
-        lifetimes = tuple(map(float, _as_many(message.lifetimes, names, 'lifetimes')))
-        refuse_lifetimes(lifetimes, names)
+        values = np.asarray(_as_many(message.lifetimes, names, 'lifetimes'), dtype=np.float64)
+        refuse_lifetimes(values, names)
         if isinstance(message.shapes, tuple):  # nobody changes it
             self._last = message.shapes, shapes
-        return Bodies(message.header, names, shapes, poses, velocities, lifetimes)
+        return Bodies(message.header, names, shapes, poses, velocities, tuple(values.tolist()))
 
     def _shape(self, message: Any, files: FileAccess, name: str) -> Shape:
         key = (
@@ -135,8 +135,10 @@ def refuse_poses(poses: Floats) -> None:
         FramePoseVector.FromArrays(np.arange(1, len(poses) + 1), poses)
 
 
-def refuse_lifetimes(lifetimes: Sequence[float], names: Sequence[str]) -> None:
+def refuse_lifetimes(lifetimes: Sequence[float] | Floats, names: Sequence[str]) -> None:
     """Raise ArgumentError for a lifetime that is none."""
+    if (np.asarray(lifetimes) > 0.0).all():
+        return
     for name, lifetime in zip(names, lifetimes, strict=True):
         if not lifetime > 0.0:
             raise ArgumentError(

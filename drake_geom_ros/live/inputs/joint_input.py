@@ -64,7 +64,7 @@ class _Moves(NamedTuple):
 
 
 class JointInput:
-    """Takes the values of joints as the node hears them, and poses the links that they move."""
+    """Takes joint values from messages, and poses the links that they move."""
 
     def __init__(self, clocks: Clocks, longest_gap: float, *, by_default: bool) -> None:
         """``by_default``: robots that name no topic of their own are driven, too.
@@ -170,7 +170,7 @@ class JointInput:
         return self._version == scene.model.model_version
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
-        """Return what is wrong with the joints, in words."""
+        """Return faults of the joints, in words."""
         troubles = []
         if self._by_default:
             refused = scene.model.joints.refused.items()
@@ -225,7 +225,7 @@ class JointInput:
         return [r for r in robots if r.topic or self._by_default or r.name in by_scene]
 
     def undriven(self, scene: HeldScene) -> list[DrivenRobot]:
-        """Return the robots that no topic drives, and whose links nobody else poses."""
+        """Return the robots that no topic drives, and whose links no other input poses."""
         if self._by_default:
             return []
         robots = scene.model.joints.robots.values()
@@ -254,7 +254,7 @@ class JointInput:
         return places
 
     def _joined(self, before: JointValue | None, value: JointValue) -> JointValue:
-        """Return what is known of a joint now: since when, and how fast it moves."""
+        """Return the time of a joint's value, and its speed."""
         if before is None or not (value.stamp and before.stamp):
             return value
         seconds = (value.stamp - before.stamp) * _NANOSECONDS
@@ -306,7 +306,7 @@ class JointInput:
         scene.poses.renew(robot.frames_since(robot.since(base, rows)))
 
     def _are_others(self, scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
-        """Return the rows of links that somebody else posed last."""
+        """Return the rows of links that another input posed last."""
         by_others = scene.poses.feeders.is_fed_by_others
         return frozenset(row for row, f in robot.links.items() if by_others(JOINTS, f))
 
@@ -349,12 +349,12 @@ def _rows_to_pose(
 
 
 def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:
-    """Return where the root link of a robot stands; None where nobody knows."""
+    """Return the pose of the root link of a robot; None if unknown."""
     return bases_of(scene, [robot])[0]
 
 
 def bases_of(scene: HeldScene, robots: Sequence[DrivenRobot]) -> list[Base | None]:
-    """Return where the root links of robots stand; None where nobody knows."""
+    """Return the poses of the root links of robots; None if unknown."""
     since, values = scene.poses.ages.since, [robot.root_value for robot in robots]
     sinces = [None if value is None else since(value) for value in values]
     return scene.model.joints.bases(robots, scene.query, sinces)

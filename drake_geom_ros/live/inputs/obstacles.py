@@ -48,11 +48,11 @@ from drake_geom_ros.live.scene.moments import (
     moment_of,
 )
 from drake_geom_ros.live.scene.out_of_sight import Sight
-from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.proximity_rules import geometry_names
 from drake_geom_ros.scene_files import FREE, ObstacleSource
 from drake_geom_ros.sensed_maps.cells import Cells
 
@@ -78,7 +78,7 @@ class _OfMap(NamedTuple):
 
 
 class ObstacleInput:
-    """Has one map of the messages of a topic in the scene."""
+    """Keeps one map in the scene, made from the messages of a topic."""
 
     def __init__(
         self,
@@ -108,7 +108,7 @@ class ObstacleInput:
         self._held: dict[Feed, Held] = {}  # by sensor
 
     def forget(self) -> None:
-        """Hold nothing of before, nor what is being made; the scene is held."""
+        """Discard earlier messages and the one being processed; the scene is held."""
         self._generation += 1
         self._feeds, self._held = MapFeeds(self._live.clocks), {}
         self.counts = MapCounts()
@@ -331,7 +331,7 @@ class ObstacleInput:
         return paddings
 
     def _put(self, begun: _Begun, shown: Shown, counts: MapCounts) -> None:
-        """Have the scene hold what was seen; what is counted changes with it."""
+        """Put a sighting into the scene and update the counters."""
         margin, moment, feed = self._settings().margin, begun.moment, begun.feed
         feeds = self._feeds.with_one(feed, shown)
         all_shown = feeds.union()

@@ -64,7 +64,7 @@ class Map(Protocol):
         """
 
     def finish(self, taken: Found) -> None:
-        """Put what was found into the scene, for the message that was begun last."""
+        """Put cells and shell into the scene, for the message that was begun last."""
 
 
 class PointTaker:
@@ -225,7 +225,7 @@ class PointTaker:
         return np.union1d(free, seen_through(place.p_WF, ends))
 
     def _before(self, place: Place, resolution: float) -> Held | None:
-        """Return what the message before left, as far as it still holds."""
+        """Return the cells of the previous message that still hold."""
         held = place.before or self._held.get(place.feed)
         if held is None or held.generation != place.generation:
             return None

@@ -118,14 +118,15 @@ class RobotInput:
             self._srdf, note = '', f', without its SRDF: {error}'
         if robot.warnings:
             note += f', {counted(len(robot.warnings), "warning")}'
-        source = _name_of(text) if self._topics is None else self._topics.name
+        name = _name_of(text)
+        source = name if self._topics is None else self._topics.name
         with self._live.editing() as scene:
             is_in = self._is_in(scene)
             is_named = self._topics is not None
             if not is_in and len(robot.robots) == 1:
                 known = robot_of_scene(scene, robot, is_named=is_named)
                 if known:
-                    return self._follow(scene, known, text, robot)
+                    return self._follow(scene, known, name, text, robot)
             self._refuse_same_name(source, scene)
         if is_in:
             self._live.replace(partial(self._in_its_place, robot), self._source)
@@ -136,18 +137,20 @@ class RobotInput:
             self._live.change(added, calls_for_more=True)
             done = 'added'
         self._text, self._source, self._followed = text, source, ''
-        self._robot = _name_of(text)
+        self._robot = name
         return (
             f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
             f'{note}{hulls_in_words(robot.geometries)}'
         )
 
-    def _follow(self, scene: HeldScene, known: str, text: str, robot: SceneDescription) -> str:
+    def _follow(
+        self, scene: HeldScene, known: str, name: str, text: str, robot: SceneDescription
+    ) -> str:
         """Leave a robot of the scene as it is, driven by the topic of its joints, if it has one.
 
         Return so in words.
         """
-        self._text, self._robot, self._followed = text, _name_of(text), known
+        self._text, self._robot, self._followed = text, name, known
         topic = '' if self._topics is None else self._topics.joint_states
         (there,) = [each for each in scene.model.robots if each.name == known]
         if topic and not there.joint_states:

@@ -157,7 +157,7 @@ def _pose(scene: HeldScene, bodies: Bodies, since: Since, feed: Feed, waited: fl
     tracked.hear(bodies.names, bodies.lifetimes, waited)
     beat = tracked.heartbeat.frame
     moments = [each for _, each in tracked.feeds.sinces()]
-    oldest = max(moments, key=scene.clocks.ages())
+    oldest = max(moments, key=scene.clocks.ages()) if len(moments) > 1 else moments[0]
     if poses.since(beat) is None:
         origin = RigidTransform()
         at_rest = np.array([origin.ToArray()])

@@ -1,4 +1,4 @@
-"""Publishes what proximity rules decide: events, states, the scale of speed.
+"""Publishes decisions of proximity rules: events, states, the speed scale.
 
 Rules are decided whether anybody listens or not: who comes later must find their states right, and
 numbers of events without a gap.

@@ -71,6 +71,8 @@ class Feeds(Generic[_Shown]):
         gone = {old for old, count in silent.items() if count >= _REPLACED_AFTER}
         fed = {
             each: replace(record, silent=_without(record.silent, {feed, *gone}))
+            if record.silent
+            else record
             for each, record in self._fed.items()
             if each not in gone
         }

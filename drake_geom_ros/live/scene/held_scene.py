@@ -1,4 +1,4 @@
-"""The live scene while it is held: its parts, and what is of all of them."""
+"""The live scene while it is held: its parts, and operations on all of them."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class HeldScene:
         return change.then(self, made)
 
     def take_over(self, draft: SceneDraft) -> bool:
-        """Become what a draft has become; return False where the scene has changed since.
+        """Adopt a changed draft; return False if the scene has changed since it was made.
 
         In a moment, whatever was changed: all that cycles need was made by the draft.
         """
@@ -192,7 +192,7 @@ class HeldScene:
         self.filters.forget_frames(frames)
 
     def bind_rules(self) -> None:
-        """Have the proximity rules be about the scene as it is now."""
+        """Bind the proximity rules to the present scene."""
         self.rules.bind(self.query, self.model.names_version)
 
     @property
@@ -206,7 +206,7 @@ class HeldScene:
         self.model.context.set_default_accuracy(accuracy)
         self.rules.change_accuracy()
 
-    # What the parts say together.
+    # Reports of all parts.
 
     def moment(self) -> SceneStamp:
         """Return which scene and poses an answer of now is for."""
@@ -221,12 +221,12 @@ class HeldScene:
         )
 
     def waiting(self) -> Waiting:
-        """Return what waits for its first pose."""
+        """Return the frames and pairs that wait for a first pose."""
         absent = self.poses.visitors.absent
         return waiting(self.query, self.model.names, self.maps.beside_bodies(), absent)
 
     def troubles(self) -> list[str]:
-        """Return what is wrong with the poses and twists that come, and with lists, in words."""
+        """Return faults of incoming poses, twists and lists, in words."""
         rules = self.rules.troubles(watches_motion=self.poses.watches_motion)
         rules += [*self.maps.finer_rules(), self._unseen()]
         troubles = [
@@ -250,7 +250,7 @@ class HeldScene:
             return self.rules.unseen(self.query, sights)
         return ''
 
-    # What may be kept beyond the block.
+    # Copies that may be kept beyond the block.
 
     def view(self, *, moving: bool = False, stale_after: float = math.inf) -> SceneView:
         """Return a snapshot, which may be kept; ``moving``: with the twists of now.
@@ -301,7 +301,7 @@ class HeldScene:
         )
 
     def mark(self) -> SnapshotMark:
-        """Return what a description of the scene as it is now is of."""
+        """Return the mark of a description of the present scene."""
         model = self.model
         return SnapshotMark(
             model.model_version,

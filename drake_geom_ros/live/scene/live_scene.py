@@ -23,6 +23,10 @@ import numpy as np
 from drake_geom_ros.geometry import AccuracyLike, GeometryError, QueryObject, SceneGraph
 from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.live.conversions.message_types import (
+    FramePosesMessage,
+    JointPositionsMessage,
+)
 from drake_geom_ros.live.conversions.names import WORLD
 from drake_geom_ros.live.scene.change import Change, unchanged
 from drake_geom_ros.live.scene.clocks import Clocks
@@ -114,7 +118,11 @@ class LiveScene:
         with self._lock:
             yield self._scene
 
-    def view(self, poses: Any = None, joints: Any = None) -> SceneView:
+    def view(
+        self,
+        poses: FramePosesMessage | None = None,
+        joints: JointPositionsMessage | None = None,
+    ) -> SceneView:
         """Return the scene of now, with other poses and joint values where these are given.
 
         ``poses`` is a FramePoses, ``joints`` a JointPositions. Frames that are not named, nor
@@ -125,15 +133,16 @@ class LiveScene:
         """
         with self.reading() as scene:
             read = None if poses is None else scene.model.reader.read(poses)
-            by_joints = joints is not None and (len(joints.names) or len(joints.positions))
+            if joints is not None and not (len(joints.names) or len(joints.positions)):
+                joints = None
             posed = set() if read is None else set(read.frames)
-            is_now = not (posed or by_joints)
+            is_now = not posed and joints is None
             view = scene.view(moving=poses is not None and is_now, stale_after=self.stale_after)
             replaced = posed
             if read is not None and posed:
                 view.context.UpdateFramePoses(read.poses)
                 pose_followers(scene, view, posed)
-            if by_joints:
+            if joints is not None:
                 positions = np.asarray(joints.positions, dtype=np.float64)
                 moved = scene.model.joints.moved(joints.names, positions, view.query)
                 by_values = set(moved.id_values().tolist())

@@ -21,14 +21,15 @@ Tell = Callable[[str, int, int], None]
 class SceneDraft:
     """A copy of the live scene, to be changed and made ready by one thread.
 
-    ``context`` holds the copy, or a scene of its own that is to take the place of the live one.
-    The live scene is held by who makes a draft, and by nobody while it is changed and made ready.
+    ``context`` holds a snapshot, which ``make`` copies, or a scene of its own that is to take the
+    place of the live one. The live scene is held by who makes a draft, and by nobody while that is
+    copied, changed and made ready.
     """
 
     def __init__(
         self, model: SceneModel, rules: SceneRules, context: SceneGraphContext | None = None
     ) -> None:
-        self.context: SceneGraphContext = model.context.copy() if context is None else context
+        self.context: SceneGraphContext = model.context.what_if() if context is None else context
         self.robots = [] if context is not None else list(model.robots)
         self.tables: ModelTables | None = None  # None: as in the live scene
         self.rules: BoundRules | None = None
@@ -40,6 +41,7 @@ class SceneDraft:
 
     def make(self, change: Change[Any, Any]) -> Any:
         """Make a change on the copy, and return what it made."""
+        self.context = self.context.copy()
         made = change.on(SceneGraph(), self.context)
         self.maps_source = change.maps_after(self.maps_source, made)
         self.follow(change)

@@ -73,7 +73,7 @@ class ScenePoses:
         self.begin_anew()
 
     def begin_anew(self) -> None:
-        """Know of no pose: another scene takes the place of this one."""
+        """Forget all poses: another scene replaces this one."""
         clocks = self._clocks
         self.ages = PoseAges(clocks)
         self.visitors.begin_anew()
@@ -239,7 +239,7 @@ class ScenePoses:
         none = self._model.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf)
         closing_speeds(none, self.twists() or {})
 
-    # What is known.
+    # Ages and faults.
 
     @property
     def watches_motion(self) -> bool:
@@ -290,12 +290,12 @@ class ScenePoses:
         return links_of(robots, old.difference(named))
 
     def troubles(self) -> list[str]:
-        """Return what is wrong with the poses and twists that come, in words."""
+        """Return faults of incoming poses and twists, in words."""
         twists = [] if self._twists is None else self._twists.troubles(self._model.names)
         return [*twists, *self.sender_troubles(), *self._left_out_in_words()]
 
     def sender_troubles(self) -> list[str]:
-        """Return what is wrong with who sends poses and with their clocks, in words."""
+        """Return faults of senders of poses and of their clocks, in words."""
         names = self._model.names
         troubles = sender_troubles(self.senders, self._model.joints, names)
         return troubles + clock_troubles(self.ages.of_other_clocks(), names)
@@ -312,7 +312,7 @@ class ScenePoses:
         ]
 
     def _left_out_in_words(self) -> list[str]:
-        """Return which attached frames somebody goes on posing."""
+        """Return the attached frames for which poses still arrive."""
         now = self._clocks.steady()
         posed = {value for value, at in self._left_out.items() if now - at < _REMEMBERED}
         names = self._names_of(posed & self._model.attached)
@@ -327,10 +327,10 @@ class ScenePoses:
         labels = self._model.names.frame_names.items()
         return [name for frame, name in labels if frame.get_value() in frames]
 
-    # What changes with the scene.
+    # Changes of the scene.
 
     def begin(self, loaded: LoadedScene, at_world: Mapping[FrameId, RigidTransform]) -> None:
-        """Know of frames that were registered; those ``at_world`` are the world."""
+        """Add registered frames; those ``at_world`` coincide with the world."""
         self._model.context.UpdateFramePoses(loaded.first_poses)
         self._model.context.UpdateFramePoses(FramePoseVector(at_world))
         with_poses = [frame.get_value() for frame in {**loaded.X_PFs, **at_world}]
@@ -403,7 +403,7 @@ class ScenePoses:
         return query.X_WF(parent).InvertAndCompose(query.X_WF(frame))
 
     def rest_at(self, frame: FrameId, X_PF: RigidTransform) -> None:
-        """Keep a frame where it hangs now, whatever has posed it before."""
+        """Keep the present pose of a frame that is attached now."""
         self._hang_at(frame, X_PF)
         self.ages.rest(frame.get_value())
         self._let_go([frame.get_value()])

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.common.geometry_names import GeometryNames, carrier_names
 from drake_geom_ros.geometry import (
     CandidatePairs,
     FrameId,
@@ -51,6 +50,7 @@ from drake_geom_ros.proximity_rules import (
     UnseenBodies,
     WatchedPairs,
     Zones,
+    geometry_names,
     unseen_of_groups,
     zones_in,
 )
@@ -61,7 +61,7 @@ _NO_PAIRS = ScenePairs(NamedGeometries([]), CandidatePairs.of_all(np.zeros(0, dt
 
 
 class Blind(NamedTuple):
-    """The frames, by the values of their ids, whose poses are not those of now."""
+    """Frames (values of ids) whose poses are stale or unknown."""
 
     stale: Collection[int]  # too old, or of unknown age
     absent: Collection[int]  # never posed
@@ -167,25 +167,25 @@ class SceneRules:
         return self._monitor.unacknowledged()
 
     def begin_entered(self) -> None:
-        """Enter latched rules by the next decision: nobody knows what was before the node."""
+        """Have the next decision enter latched rules: their state before the start is unknown."""
         self._monitor.begin_entered()
 
     def after(
         self, taken: Sequence[ProximityRule], removed: Collection[str] = ()
     ) -> tuple[ProximityRule, ...]:
-        """Return the rules that there are once others were taken, or some were removed."""
+        """Return the rules after additions and removals."""
         gone = {*removed, *self._replaced_by(taken)}
         stay = [rule for rule in self.rules if rule.name not in gone]
         there = {rule.name for rule in stay}
         return (*stay, *(rule for rule in taken if rule.name not in there))
 
     def _replaced_by(self, rules: Sequence[ProximityRule]) -> list[str]:
-        """Return the names of the rules whose place others take."""
+        """Return the names of the rules that others replace."""
         present = {rule.name: rule for rule in self.rules}
         return [rule.name for rule in rules if present.get(rule.name, rule) != rule]
 
     def _prepared_for(self, rules: tuple[ProximityRule, ...]) -> BoundRules | None:
-        """Return what was prepared for these rules about the scene as it is; None: nothing was."""
+        """Return the binding prepared for these rules and the present scene, or None."""
         prepared, self._prepared = self._prepared, None
         if prepared is None or not prepared.is_of(self._version, rules):
             return None
@@ -202,7 +202,7 @@ class SceneRules:
         self._narrowed, self.revision = None, self.revision + 1
 
     def bind(self, query: QueryObject, frames_version: int) -> None:
-        """Be about the scene of now, if sources, frames, geometries or filters changed."""
+        """Bind the rules to the present scene, if its content or its filters changed."""
         inspector = query.inspector()
         version = inspector.geometry_version()
         is_same = is_same_for_rules(version, self._version)
@@ -231,7 +231,7 @@ class SceneRules:
         return self._zones.keys() == zones.keys() and self._bodies.matches(candidates)
 
     def _be_prepared(self, prepared: BoundRules, frames_version: int) -> None:
-        """Be about the version of the scene that rules were prepared for.
+        """Bind the rules to the version of the scene that they were prepared for.
 
         It stays there for rules that come with that version.
         """
@@ -252,7 +252,7 @@ class SceneRules:
     def prepared(
         self, query: QueryObject, rules: tuple[ProximityRule, ...], *, same_names: bool
     ) -> BoundRules:
-        """Return what ``bind`` would be about, for a copy of the scene that is going to be it.
+        """Return the binding to a copy of the scene that will replace it.
 
         With these ``rules``; with the ``same_names`` as the scene of now where only shapes and
         filters are others.
@@ -270,7 +270,7 @@ class SceneRules:
         return bound._replace(narrowed=narrowed_to(query, bound.watched, zones))
 
     def offer(self, prepared: BoundRules | None) -> None:
-        """Have what was ``prepared`` for the scene as it is now, until the next ``bind``."""
+        """Keep the ``prepared`` binding to the present scene until the next ``bind``."""
         self._prepared = prepared
 
     def _bound(
@@ -281,7 +281,7 @@ class SceneRules:
         zones: Zones,
         same_names: bool,
     ) -> BoundRules:
-        """Return what rules are about, by names and frames of now where these are the same."""
+        """Return the binding of rules; unchanged names and frames are reused."""
         inspector = query.inspector()
         version, candidates = inspector.geometry_version(), bodies
         if zones:
@@ -307,7 +307,7 @@ class SceneRules:
         return BoundRules(version, -1, rules, *known, query)
 
     def _be(self, bound: BoundRules) -> None:
-        """Be about a version of the scene."""
+        """Adopt a binding."""
         self._changed()
         self._version, self._frames_version = bound.version, bound.frames_version
         self._bodies, self._zones = bound.bodies, bound.zones
@@ -448,7 +448,7 @@ class SceneRules:
         return self._carried
 
     def take_events(self) -> list[Event]:
-        """Return what happened since this was last called."""
+        """Return the events since the last call."""
         events, self._happened = self._happened, []
         return events
 
@@ -461,11 +461,11 @@ class SceneRules:
         return self._monitor.table()
 
     def measure_again(self) -> None:
-        """Believe no distance of before: what was measured moved, or nobody looked for a while."""
+        """Discard earlier distances: bodies moved, or were not measured for a while."""
         self._monitor.is_measured = False
 
     def change_accuracy(self) -> None:
-        """Measure at another level: who measures for rules alone has one of its own."""
+        """Set the level at which distances are measured for rules alone."""
         self._narrowed = self._with_zones = None
         self.measure_again()
 
@@ -534,7 +534,7 @@ class SceneRules:
         return f'{len(states)}, entered: {some_of(entered) or "none"}' if states else 'none'
 
     def speed_scale(self) -> float | None:
-        """Return how fast to go, 0 to 1; None: no rule says."""
+        """Return the speed scale, 0 to 1; None: no rule sets one."""
         return self._monitor.speed_scale()
 
     def scale_about(self, robot: str) -> ScaleOfRobot:
@@ -571,23 +571,3 @@ class SceneRules:
                 turn, straight = np.linalg.norm(twists[frame].reshape(2, 3), axis=1)
                 speeds.append(float(straight + (turn * extent if turn else 0.0)))
         return sum(sorted(speeds)[-2:])
-
-
-def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
-    """Return what a geometry is called."""
-    frame = inspector.GetFrameId(geometry)
-    return GeometryNames(
-        inspector.GetOwningSourceName(geometry),
-        inspector.GetName(frame),
-        inspector.GetName(geometry),
-        frame == inspector.world_frame_id(),
-        carrier_names(_line(inspector, frame)),
-    )
-
-
-def _line(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[tuple[str, str, bool]]:
-    """Yield a frame and those that it hangs on, as ``carrier_names`` takes them."""
-    while frame != inspector.world_frame_id():
-        source, name = inspector.GetOwningSourceName(frame), inspector.GetName(frame)
-        yield source, name, inspector.IsPartOfParent(frame)
-        frame = inspector.GetParentFrame(frame)

@@ -65,7 +65,7 @@ class SceneSnapshot:
     obstacle_sources: tuple[ObstacleSource, ...] = ()
     gates: tuple[Gate, ...] = ()
     has_tracked: bool = False  # the source of tracked bodies is there
-    # What attached frames may touch until they are detached, by full names.
+    # Geometries that attached frames may touch until they are detached, by full names.
     touch_links: Mapping[FrameId, tuple[str, ...]] = field(default_factory=dict)
     # Seconds after which frames leave, by the values of their ids.
     gone_after: Mapping[int, float] = field(default_factory=dict)

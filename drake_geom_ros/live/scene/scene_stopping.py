@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
@@ -32,7 +32,7 @@ from drake_geom_ros.stopping import (
 
 
 class _Prepared(NamedTuple):
-    """A check, and what it was made for."""
+    """A check with the arguments that it was made for."""
 
     check: StoppingCheck
     rules: tuple[ProximityRule, ...]
@@ -110,8 +110,12 @@ class SceneStopping:
         return self._asked.answers(states)
 
     def ways(self) -> tuple[NDArray[np.int64], list[Floats]]:
-        """Return frames (f,) by ids, and ``StoppingCheck.ways`` of the last decision."""
-        if self._asked is None:
+        """Return frames (f,) by ids, and ``StoppingCheck.ways`` of the last decision.
+
+        There are none where robots came or went since then.
+        """
+        robots = self._model.joints.robots.values()
+        if self._asked is None or _links(self._asked.prepared.robots) != _links(robots):
             return np.zeros(0, dtype=np.int64), []
         check = self._asked.prepared.check
         return check.frame_ids, check.ways(self._asked.states, self._asked.delay)
@@ -228,6 +232,11 @@ def _robot(robot: DrivenRobot) -> Robot:
         np.array(list(robot.links.values()), dtype=np.int64),
         robot.root_value or 0,
     )
+
+
+def _links(robots: Iterable[DrivenRobot]) -> list[tuple[str, Mapping[int, int]]]:
+    """Return the name of each robot, and its links."""
+    return [(robot.name, robot.links) for robot in robots]
 
 
 def _links_of(robots: Sequence[DrivenRobot]) -> frozenset[int]:

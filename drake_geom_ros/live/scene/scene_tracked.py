@@ -7,7 +7,8 @@ the tracker is silent, and they go on while no body is there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from itertools import repeat
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ from drake_geom_ros.live.scene.feeds import Feeds
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.math.array_types import Indices
 
+_EARLY = 0.01  # [s] far more than what rounding makes of the end of a lifetime
 NAMED_AS_TRACKED = (
     f'the scene has a source {TRACKED!r}, which is what that of tracked bodies is called; give it '
     'another name, or remove it'
@@ -63,6 +65,9 @@ class SceneTracked:
         self.heartbeat: Heartbeat | None = None
         self.bodies: dict[str, TrackedBody] = {}
         self._named: dict[str, tuple[float, Heard]] = {}  # lifetime [s], and when it was named
+        # No lifetime ends before this time [s] of this epoch: a message looks at no body until
+        # then. It is raised where all are looked at.
+        self._first_end, self._epoch = -math.inf, self._clocks.epoch
         self.feeds: Feeds[None] = Feeds(self._clocks)
         self._listed: tuple[tuple[str, ...], Indices, frozenset[int]] | None = None
 
@@ -85,9 +90,10 @@ class SceneTracked:
             self._listed = names, np.array(values, dtype=np.int64), frozenset(values)
         return self._listed[1:]
 
-    def hear(self, names: Iterable[str], lifetimes: Iterable[float], waited: float) -> None:
+    def hear(self, names: Sequence[str], lifetimes: Sequence[float], waited: float) -> None:
         """Note that bodies were named by a message that came ``waited`` [s] ago."""
         heard = self._clocks.heard(waited)
+        self._first_end = min(self._first_end, heard.time + min(lifetimes, default=math.inf))
         self._named.update(zip(names, zip(lifetimes, repeat(heard)), strict=True))
 
     def ended(self) -> list[str]:
@@ -97,9 +103,14 @@ class SceneTracked:
         After a jump of that clock lifetimes begin anew.
         """
         now = self._clocks.heard()
+        if now.epoch == self._epoch and now.time < self._first_end - _EARLY:
+            return []
         before_jump = [n for n, (_, heard) in self._named.items() if heard.epoch != now.epoch]
         for name in before_jump:
             self._named[name] = self._named[name][0], now
+        self._epoch = now.epoch
+        ends = (heard.time + lifetime for lifetime, heard in self._named.values())
+        self._first_end = min(ends, default=math.inf)
         return [n for n, (life, heard) in self._named.items() if now.time - heard.time > life]
 
     def troubles(self) -> list[str]:

@@ -100,7 +100,7 @@ class PlanningWorld:
         self.notes: list[str] = []
 
     def take_scene(self, request: SceneRequest) -> None:
-        """Do what a PlanningScene asks for: attached objects first, then the world, as MoveIt."""
+        """Apply a PlanningScene in MoveIt's order: attached objects, then the world."""
         self.notes += request.notes
         if request.clears_attached:
             self.objects = {k: each for k, each in self.objects.items() if each.link is None}
@@ -124,7 +124,7 @@ class PlanningWorld:
                 raise ArgumentError(f'world.octomap: {error}') from error
 
     def _note_enlarged(self, names: Collection[str]) -> None:
-        """Note what MoveIt would do otherwise with the enlarged links of a message."""
+        """Note where MoveIt treats the enlarged links of a message differently."""
         enlarged = {name: self.enlarged[name] for name in names}
         if any(each != Enlargement() for each in enlarged.values()):
             self.notes.append(
@@ -170,11 +170,11 @@ class PlanningWorld:
             )
 
     def allow_again(self) -> None:
-        """Have what the matrix says hold for links that came since."""
+        """Apply the matrix to links that were added since."""
         self.matrix_before = None
 
     def take(self, request: ObjectRequest) -> None:
-        """Do what a CollisionObject asks for."""
+        """Apply a CollisionObject."""
         self.notes += request.notes
         if request.operation == Operation.REMOVE:
             self._remove(request.id)
@@ -202,7 +202,7 @@ class PlanningWorld:
             self.objects[request.id] = _or_present(_new(request, X_WO), present)
 
     def take_attached(self, request: AttachedRequest) -> None:
-        """Do what an AttachedCollisionObject asks for."""
+        """Apply an AttachedCollisionObject."""
         part, name = request.object, shortened(request.object.id)
         self.notes += part.notes
         if part.operation == Operation.REMOVE:

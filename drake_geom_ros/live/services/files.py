@@ -11,6 +11,10 @@ from typing import Any
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.names import MAPS
+from drake_geom_ros.live.conversions.request_types import (
+    LoadSceneRequest,
+    SavedRequest,
+)
 from drake_geom_ros.live.scene.changes.addition import addition, exchange
 from drake_geom_ros.live.scene.changes.removal import in_order_of_removal
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -20,7 +24,7 @@ from drake_geom_ros.live.services.saved_file import SavedFile
 from drake_geom_ros.scene_files import SceneDescription, read_scene, to_yaml
 
 
-def load_scene(live: LiveScene, request: Any, response: Any) -> None:
+def load_scene(live: LiveScene, request: LoadSceneRequest, response: Any) -> None:
     """Load a scene from a file of the node's machine or from a text."""
     if bool(request.path) == bool(request.text):
         raise ArgumentError('path and text are both given or both empty; give exactly one')
@@ -91,7 +95,7 @@ def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:
     ]
 
 
-def save_scene(live: LiveScene, request: Any, response: Any) -> None:
+def save_scene(live: LiveScene, request: SavedRequest, response: Any) -> None:
     """Write the scene down; the file has one line more than the answer, by which it is known."""
     target = SavedFile(live.files.new_file(request.path, 'path')) if request.path else None
     with live.reading() as scene:

@@ -257,7 +257,7 @@ def _refuse_times(times: Floats) -> None:
 
 
 def _refuse_unknown(first: float, names: Sequence[str], start: Floats, time: float) -> None:
-    """Raise ArgumentError where nobody knows where a path begins."""
+    """Raise ArgumentError if the start of a path is unknown."""
     unknown = [name for name, q in zip(names, start, strict=True) if np.isnan(q)]
     if unknown:
         raise ArgumentError(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.batch.joints import Arm, Joints
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.message_types import FramePosesMessage
 from drake_geom_ros.live.scene.driven_robot import or_zero
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -41,7 +42,7 @@ class JointsNow(NamedTuple):
 
 def view_of_joints(
     live: LiveScene,
-    poses: Any,
+    poses: FramePosesMessage | None,
     names: list[str],
     chosen: GivenJoints = NO_JOINTS,
     frames: Sequence[MovedFrame] = (),

@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError, MotionCheck, accuracy_of
+from drake_geom_ros.live.conversions.request_types import CheckMotionRequest
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.robot_following import ends_with_followers
 from drake_geom_ros.live.scene.scene_view import SceneView
@@ -20,7 +21,7 @@ from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 OUTCOMES = {'clear': 1, 'contact': 2, 'unknown': 3}  # CLEAR, CONTACT and UNKNOWN of the answer
 
 
-def check_motion(live: LiveScene, request: Any, response: Any) -> None:
+def check_motion(live: LiveScene, request: CheckMotionRequest, response: Any) -> None:
     """Answer whether a motion is clear; raises RuntimeError to refuse what cannot be asked."""
     if request.accuracy:
         accuracy_of(request.accuracy)
@@ -52,8 +53,8 @@ def check_motion(live: LiveScene, request: Any, response: Any) -> None:
         fill_way(response, way)
 
 
-def _question(request: Any) -> dict[str, Any]:
-    """Return what is asked of either kind of motion, as the core names it."""
+def _question(request: CheckMotionRequest) -> dict[str, Any]:
+    """Return the arguments that both kinds of motion have, as the core names them."""
     return {
         'min_distance': request.min_distance,
         'max_evaluations': request.max_evaluations,
@@ -62,7 +63,7 @@ def _question(request: Any) -> dict[str, Any]:
     }
 
 
-def _to_poses(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck]:
+def _to_poses(live: LiveScene, request: CheckMotionRequest) -> tuple[SceneView, MotionCheck]:
     """Check the motion of frames, whose times go from 0 to 1."""
     for name in OF_JOINTS:
         if getattr(request, name):
@@ -81,7 +82,7 @@ def _to_poses(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck]:
 
 
 def _fill(response: Any, check: MotionCheck, view: SceneView) -> None:
-    """Fill an answer with what is true of a motion."""
+    """Fill an answer with the result of a check."""
     response.outcome = OUTCOMES[check.outcome]
     response.times[:] = check.times
     response.last_free, response.time = check.times[0], check.time

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.message_types import MultiDofTrajectoryMessage
 from drake_geom_ros.live.conversions.names import UnknownNameError, shortened, some_of
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -35,7 +36,9 @@ class MultiDofPath(NamedTuple):
         return self.path.joint_names[: len(self.path.joint_names) - 6 * len(self.frames)]
 
 
-def multi_dof_path(live: LiveScene, message: Any, profile: str = '') -> MultiDofPath:
+def multi_dof_path(
+    live: LiveScene, message: MultiDofTrajectoryMessage, profile: str = ''
+) -> MultiDofPath:
     """Return the values of a MultiDOFJointTrajectory; raises ArgumentError for what is none.
 
     A name is a planar or floating joint, a virtual joint of an SRDF, or a frame. Velocities and
@@ -87,7 +90,7 @@ def _refuse_derivatives(number: int, point: Any) -> None:
 
 
 def _named(
-    joints: list[MultiDofJoint], scene: HeldScene, name: str, message: Any
+    joints: list[MultiDofJoint], scene: HeldScene, name: str, message: MultiDofTrajectoryMessage
 ) -> MultiDofJoint | MovedFrame:
     """Return the joint or the frame that a name means."""
     matches = [j for j in joints if name in (j.name, j.full_name)]

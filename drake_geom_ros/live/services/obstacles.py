@@ -7,6 +7,14 @@ from typing import Any
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.request_types import (
+    AddObstacleSourceRequest,
+    ClearObstaclesRequest,
+    EmptyRequest,
+    LoadObstaclesRequest,
+    NamedRequest,
+    SaveObstaclesRequest,
+)
 from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
@@ -21,7 +29,7 @@ from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 from drake_geom_ros.sensed_maps.map_files import MapFile
 
 
-def clear_obstacles(live: LiveScene, request: Any, response: Any) -> None:
+def clear_obstacles(live: LiveScene, request: ClearObstaclesRequest, response: Any) -> None:
     """Forget one map, or all; those that topics feed wait again."""
     with live.reading() as scene:
         names = [request.map] if request.map else list(scene.maps.by_name)
@@ -32,7 +40,7 @@ def clear_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     response.cells = clear_maps(live, names)
 
 
-def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:
+def load_obstacles(live: LiveScene, request: LoadObstaclesRequest, response: Any) -> None:
     """Make the map of a file."""
     path = live.files.file(request.path, 'path')
     if Path(path).suffix.lower() not in MAP_SUFFIXES:
@@ -62,7 +70,7 @@ def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:
         response.message = f'left out {counted(n, "point")} that {are(n)} not finite'
 
 
-def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
+def save_obstacles(live: LiveScene, request: SaveObstaclesRequest, response: Any) -> None:
     """Write the cells of a map to a file of OctoMap."""
     target = SavedFile(live.files.new_file(request.path, 'path'), MAP_FILE)
     with live.reading() as scene:
@@ -88,18 +96,18 @@ def _named(scene: HeldScene, name: str) -> str:
     )
 
 
-def add_obstacle_source(live: LiveScene, request: Any, response: Any) -> None:
+def add_obstacle_source(live: LiveScene, request: AddObstacleSourceRequest, response: Any) -> None:
     """Listen to one more sensor."""
     source = obstacle_source_of_text(request.name, request.settings, 'settings')
     live.map_sources.add(source)
 
 
-def remove_obstacle_source(live: LiveScene, request: Any, response: Any) -> None:
+def remove_obstacle_source(live: LiveScene, request: NamedRequest, response: Any) -> None:
     """Listen to a sensor no more."""
     response.cells = live.map_sources.remove(request.name)
 
 
-def list_obstacle_sources(live: LiveScene, request: Any, response: Any) -> None:
+def list_obstacle_sources(live: LiveScene, request: EmptyRequest, response: Any) -> None:
     """Return the sensors that the node listens to."""
     with live.reading() as scene:
         listed = sorted(live.map_sources.listed(), key=lambda each: each.source.name)

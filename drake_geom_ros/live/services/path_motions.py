@@ -1,4 +1,4 @@
-"""The part of ``check_motion`` about joints: a path, what is in front of it, and its speeds."""
+"""The part of ``check_motion`` about joints: a path, its approach and its speeds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.geometry import ArgumentError, MotionCheck
 from drake_geom_ros.live.conversions.fields import floats
+from drake_geom_ros.live.conversions.message_types import TrajectoryMessage
 from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.conversions.request_types import CheckMotionRequest
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.live.services.joint_paths import (
@@ -59,7 +61,9 @@ class JointWay:
     clearances: ClearanceBounds | None
 
 
-def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> JointWay:
+def along_path(
+    live: LiveScene, request: CheckMotionRequest, question: Mapping[str, Any]
+) -> JointWay:
     """Check a motion of joints, from point to point; ``question`` is that of ``PathChecker``."""
     _refuse_fields(request)
     start_joints = GivenJoints(request.start_joints.names, request.start_joints.positions)
@@ -107,7 +111,12 @@ def along_path(live: LiveScene, request: Any, question: Mapping[str, Any]) -> Jo
     )
 
 
-def _path(trajectory: Any, several: PathOfJoints, begin: JointsNow, profile: str) -> TimedPath:
+def _path(
+    trajectory: TrajectoryMessage | PathOfJoints,
+    several: PathOfJoints,
+    begin: JointsNow,
+    profile: str,
+) -> TimedPath:
     """Return the way of a path and of planar and floating joints beside it."""
     count = len(trajectory.joint_names)
     paths = []
@@ -121,7 +130,7 @@ def _path(trajectory: Any, several: PathOfJoints, begin: JointsNow, profile: str
     return first.beside(*others) if others else first
 
 
-def _refuse_fields(request: Any) -> None:
+def _refuse_fields(request: CheckMotionRequest) -> None:
     """Raise ArgumentError for fields that cannot be meant."""
     if request.interpolation:
         raise ArgumentError(
@@ -165,9 +174,9 @@ def _begun_now(
 
 
 def _clearances(
-    view: SceneView, joints: Joints, spline: Any, request: Any
+    view: SceneView, joints: Joints, spline: Any, request: CheckMotionRequest
 ) -> ClearanceBounds | None:
-    """Return the bounds that are asked for; evaluations are shared out to the intervals."""
+    """Return the requested bounds; evaluations are distributed over the intervals."""
     count = int(request.clearance_intervals)
     if not count:
         return None
@@ -184,7 +193,7 @@ def _clearances(
 
 
 def fill_way(response: Any, way: JointWay) -> None:
-    """Fill an answer with what belongs to a path of joints."""
+    """Fill in the fields about a path of joints."""
     speeds = way.path.speeds()
     fastest = int(np.argmax(speeds))
     response.fastest_joint, response.joint_speed = way.joints.names[fastest], speeds[fastest]
@@ -201,7 +210,7 @@ def fill_way(response: Any, way: JointWay) -> None:
 
 
 def _note(joint_names: Sequence[str], start: JointsNow, is_begun_now: bool) -> str:
-    """Return in words what is not known of the start of a spline."""
+    """Return in words which start values of a spline are unknown."""
     names = np.array(joint_names)
     if np.isnan(start.now).any():
         return (

@@ -5,6 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from drake_geom_ros.live.conversions.proximity_rules import rule_from_message
+from drake_geom_ros.live.conversions.request_types import (
+    AcknowledgeRuleRequest,
+    AddRuleRequest,
+    EmptyRequest,
+    NamedRequest,
+)
 from drake_geom_ros.live.scene.change import Change, unchanged
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -12,7 +18,7 @@ from drake_geom_ros.live.scene.rule_states import fill_rule_states
 from drake_geom_ros.proximity_rules import RuleError
 
 
-def add_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
+def add_proximity_rule(live: LiveScene, request: AddRuleRequest, response: Any) -> None:
     """Add a rule that some pair of the scene can enter."""
     rule = rule_from_message(request.rule)
 
@@ -35,7 +41,7 @@ def add_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
     response.message = live.change(change)
 
 
-def remove_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
+def remove_proximity_rule(live: LiveScene, request: NamedRequest, response: Any) -> None:
     """Remove a rule; the message says so where nobody acknowledged that it was entered."""
     name = request.name
 
@@ -54,7 +60,7 @@ def remove_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
     response.message = live.change(change)
 
 
-def acknowledge_rule(live: LiveScene, request: Any, response: Any) -> None:
+def acknowledge_rule(live: LiveScene, request: AcknowledgeRuleRequest, response: Any) -> None:
     """Let a latched rule be left that was entered by the event that the request names."""
     with live.editing() as scene:
         scene.bind_rules()
@@ -72,7 +78,7 @@ def acknowledge_rule(live: LiveScene, request: Any, response: Any) -> None:
             response.message = 'its cause persists; it is left when that has gone'
 
 
-def list_proximity_rules(live: LiveScene, request: Any, response: Any) -> None:
+def list_proximity_rules(live: LiveScene, request: EmptyRequest, response: Any) -> None:
     """Report the rules and their states."""
     with live.reading() as scene:
         fill_rule_states(response.states, scene)

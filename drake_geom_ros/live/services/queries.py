@@ -18,6 +18,19 @@ from drake_geom_ros.common.free_memory import free_memory
 from drake_geom_ros.geometry import ArgumentError, HalfSpace, Role
 from drake_geom_ros.live.conversions.contact_surfaces import fill_contact_surfaces, size_of
 from drake_geom_ros.live.conversions.fields import fill_pose, unsigned
+from drake_geom_ros.live.conversions.request_types import (
+    ContactSurfacesRequest,
+    EmptyRequest,
+    GetPoseRequest,
+    JointNamesRequest,
+    OnePairRequest,
+    PairwiseRequest,
+    PoseAgesRequest,
+    QueryRequest,
+    StateRequest,
+    ToPointRequest,
+    TwoGeometriesRequest,
+)
 from drake_geom_ros.live.conversions.results import (
     CANDIDATE_SIZE,
     PENETRATION_SIZE,
@@ -40,7 +53,7 @@ _COPIES = 5
 _SMALL = 1.0  # [MB]: for less nobody looks how much memory is left
 
 
-def _accuracy(request: Any) -> str | None:
+def _accuracy(request: QueryRequest) -> str | None:
     return request.accuracy or None
 
 
@@ -88,7 +101,7 @@ def _pairs_at_least(view: SceneView) -> int:
     return pairs - of_planes - filtered - waiting
 
 
-def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any) -> None:
+def compute_point_pair_penetration(live: LiveScene, request: QueryRequest, response: Any) -> None:
     """Report the pairs that overlap."""
     view = live.view(request.poses, request.joints)
     results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
@@ -100,7 +113,9 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     response.message = view.reservations_of_list()
 
 
-def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
+def compute_signed_distance_pairwise(
+    live: LiveScene, request: PairwiseRequest, response: Any
+) -> None:
     """Report the signed distances up to a limit."""
     limit = _limit('max_distance', request.max_distance)
     view = live.view(request.poses, request.joints)
@@ -119,7 +134,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     response.message = view.reservations_of_list()
 
 
-def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:
+def compute_signed_distance_pair(live: LiveScene, request: OnePairRequest, response: Any) -> None:
     """Report the signed distance of one pair."""
     view = live.view(request.poses, request.joints)
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
@@ -129,7 +144,9 @@ def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -
     view.moment.stamp(response.result)
 
 
-def compute_signed_distance_to_point(live: LiveScene, request: Any, response: Any) -> None:
+def compute_signed_distance_to_point(
+    live: LiveScene, request: ToPointRequest, response: Any
+) -> None:
     """Report the signed distances to points."""
     limit = _limit('threshold', request.threshold)
     points = np.asarray(request.points, dtype=np.float64)
@@ -157,7 +174,9 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     response.message = view.reservations()
 
 
-def compute_contact_surfaces(live: LiveScene, request: Any, response: Any) -> None:
+def compute_contact_surfaces(
+    live: LiveScene, request: ContactSurfacesRequest, response: Any
+) -> None:
     """Report where bodies press each other."""
     view = live.view(request.poses, request.joints)
     query = view.query
@@ -181,7 +200,7 @@ def compute_contact_surfaces(live: LiveScene, request: Any, response: Any) -> No
     response.message = view.reservations()
 
 
-def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> None:
+def find_collision_candidates(live: LiveScene, request: StateRequest, response: Any) -> None:
     """Report the pairs that bounds alone do not keep apart."""
     view = live.view(request.poses, request.joints)
     ids = view.query.collision_candidates()
@@ -190,7 +209,7 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
     _tell(view, response)
 
 
-def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
+def has_collisions(live: LiveScene, request: StateRequest, response: Any) -> None:
     """Report whether any pair overlaps."""
     view = live.view(request.poses, request.joints)
     response.has_collisions = view.query.HasCollisions()
@@ -205,7 +224,7 @@ def _tell(view: SceneView, response: Any) -> None:
     response.message = view.reservations()
 
 
-def get_pose(live: LiveScene, request: Any, response: Any) -> None:
+def get_pose(live: LiveScene, request: GetPoseRequest, response: Any) -> None:
     """Report the live pose of a frame or a geometry."""
     if bool(request.frame) == bool(request.geometry):
         raise ArgumentError('frame and geometry are both given or both empty; give exactly one')
@@ -230,7 +249,7 @@ def get_pose(live: LiveScene, request: Any, response: Any) -> None:
         response.pose.header.stamp = view.moment.newest_stamp
 
 
-def get_filters(live: LiveScene, request: Any, response: Any) -> None:
+def get_filters(live: LiveScene, request: EmptyRequest, response: Any) -> None:
     """Report the state of the filters."""
     view = live.view()
     manager = view.filters
@@ -241,7 +260,7 @@ def get_filters(live: LiveScene, request: Any, response: Any) -> None:
     response.filtered_pairs = manager.num_filtered_pairs()
 
 
-def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
+def explain_filter(live: LiveScene, request: TwoGeometriesRequest, response: Any) -> None:
     """Report whether a pair is filtered, and by which declarations."""
     view = live.view()
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
@@ -253,7 +272,7 @@ def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
     response.filtered = bool(response.reasons)
 
 
-def get_pose_ages(live: LiveScene, request: Any, response: Any) -> None:
+def get_pose_ages(live: LiveScene, request: PoseAgesRequest, response: Any) -> None:
     """Report the age of the pose of each frame, the oldest first."""
     with live.reading() as scene:
         names, inspector = scene.model.names, scene.model.inspector
@@ -281,7 +300,7 @@ def get_pose_ages(live: LiveScene, request: Any, response: Any) -> None:
         response.attached_to.append(carrier)
 
 
-def get_joint_positions(live: LiveScene, request: Any, response: Any) -> None:
+def get_joint_positions(live: LiveScene, request: JointNamesRequest, response: Any) -> None:
     """Report the value, the speed and the age of each joint."""
     with live.reading() as scene:
         robots = scene.model.joints.robots

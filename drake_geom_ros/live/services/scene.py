@@ -21,6 +21,15 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.live.conversions.fields import fill_pose, pose_from_message
 from drake_geom_ros.live.conversions.names import WORLD
+from drake_geom_ros.live.conversions.request_types import (
+    AttachRequest,
+    DetachRequest,
+    NamedRequest,
+    OfGeometryRequest,
+    OfSourceRequest,
+    RegisterFrameRequest,
+    RemoveRoleRequest,
+)
 from drake_geom_ros.live.conversions.scene import role_from_number
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
@@ -32,7 +41,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import touched_geometries
 
 
-def register_source(live: LiveScene, request: Any, response: Any) -> None:
+def register_source(live: LiveScene, request: NamedRequest, response: Any) -> None:
     """Register a geometry source."""
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> SourceId:
@@ -41,7 +50,7 @@ def register_source(live: LiveScene, request: Any, response: Any) -> None:
     response.source_id = live.change(Change(change)).get_value()
 
 
-def register_frame(live: LiveScene, request: Any, response: Any) -> None:
+def register_frame(live: LiveScene, request: RegisterFrameRequest, response: Any) -> None:
     """Register a frame in the world or in another frame."""
     with live.reading() as scene:
         if request.name.strip() in (WORLD, scene.model.world_frame):
@@ -61,7 +70,7 @@ def register_frame(live: LiveScene, request: Any, response: Any) -> None:
     response.frame_id = live.change(Change(change)).get_value()
 
 
-def remove_role(live: LiveScene, request: Any, response: Any) -> None:
+def remove_role(live: LiveScene, request: RemoveRoleRequest, response: Any) -> None:
     """Take a role away."""
     role = role_from_number(request.role)
     with live.reading() as scene:
@@ -75,7 +84,7 @@ def remove_role(live: LiveScene, request: Any, response: Any) -> None:
     response.count = live.change(Change(change))
 
 
-def remove_geometry(live: LiveScene, request: Any, response: Any) -> None:
+def remove_geometry(live: LiveScene, request: OfGeometryRequest, response: Any) -> None:
     """Remove a geometry."""
     with live.reading() as scene:
         source, geometry = scene.model.owned_geometry(request.geometry)
@@ -87,14 +96,14 @@ def remove_geometry(live: LiveScene, request: Any, response: Any) -> None:
     live.change(Change(change))
 
 
-def remove_source(live: LiveScene, request: Any, response: Any) -> None:
+def remove_source(live: LiveScene, request: OfSourceRequest, response: Any) -> None:
     """Remove a source and all that is its."""
     with live.editing() as scene:
         change = removal(scene, scene.model.names.source(request.source))
     response.frames, response.geometries = live.change(change)
 
 
-def attach(live: LiveScene, request: Any, response: Any) -> None:
+def attach(live: LiveScene, request: AttachRequest, response: Any) -> None:
     """Let a frame follow another one, which it may touch where the request says."""
     X_PF = _given_pose(request)
     touched = _touched(live, request)
@@ -134,8 +143,8 @@ class _Touched(NamedTuple):
         return touched_geometries(model.inspector, model.robots, frame, patterns)
 
 
-def _touched(live: LiveScene, request: Any) -> _Touched:
-    """Return what ``attach`` lets a frame touch, looked for beside the cycles."""
+def _touched(live: LiveScene, request: AttachRequest) -> _Touched:
+    """Return the geometries that ``attach`` lets a frame touch, found beside the cycles."""
     if not request.touch_links:
         return _Touched(-1, ())
     with live.reading() as scene:
@@ -147,7 +156,7 @@ def _touched(live: LiveScene, request: Any) -> _Touched:
     return _Touched(names_version, touched)
 
 
-def detach(live: LiveScene, request: Any, response: Any) -> None:
+def detach(live: LiveScene, request: DetachRequest, response: Any) -> None:
     """Put an attached frame back on the one that it was registered on."""
     X_PF = _given_pose(request)
     with live.editing() as scene:
@@ -167,5 +176,5 @@ def _refuse_planning_scene(scene: HeldScene, frame: FrameId) -> None:
         )
 
 
-def _given_pose(request: Any) -> RigidTransform | None:
+def _given_pose(request: DetachRequest) -> RigidTransform | None:
     return pose_from_message(request.pose) if request.pose_given else None

@@ -26,7 +26,14 @@ from drake_geom_ros.geometry import (
     Shape,
 )
 from drake_geom_ros.live.conversions.fields import pose_from_message
+from drake_geom_ros.live.conversions.message_types import NewGeometryMessage
 from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.conversions.request_types import (
+    AssignRoleRequest,
+    ChangeShapeRequest,
+    RegisterGeometriesRequest,
+    RegisterGeometryRequest,
+)
 from drake_geom_ros.live.conversions.scene import properties_from_message, set_role
 from drake_geom_ros.live.conversions.shapes import shape_from_message
 from drake_geom_ros.live.scene.change import Change
@@ -37,20 +44,22 @@ from drake_geom_ros.proximity_rules import check_zone
 from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
 
 
-def register_geometry(live: LiveScene, request: Any, response: Any) -> None:
+def register_geometry(live: LiveScene, request: RegisterGeometryRequest, response: Any) -> None:
     """Register a geometry with its roles: all of it or nothing."""
     (geometry,) = _registered(live, request.source, [request])
     response.geometry_id = geometry.get_value()
 
 
-def register_geometries(live: LiveScene, request: Any, response: Any) -> None:
+def register_geometries(
+    live: LiveScene, request: RegisterGeometriesRequest, response: Any
+) -> None:
     """Register several geometries of a source with their roles: all of them or none."""
     ids = _registered(live, request.source, request.geometries, 'geometries[{}]: ')
     response.geometry_ids = [geometry.get_value() for geometry in ids]
 
 
 def _registered(
-    live: LiveScene, source_name: str, messages: Sequence[Any], place: str = ''
+    live: LiveScene, source_name: str, messages: Sequence[NewGeometryMessage], place: str = ''
 ) -> list[GeometryId]:
     """Register geometries; errors begin with ``place``, which takes the number of one."""
     instances = []
@@ -86,7 +95,7 @@ def _registered(
     return live.change(Change(change), calls_for_more=is_new)
 
 
-def _instance(live: LiveScene, message: Any) -> GeometryInstance:
+def _instance(live: LiveScene, message: NewGeometryMessage) -> GeometryInstance:
     """Return what a message wants to be registered."""
     if bool(message.frame) == bool(message.parent_geometry):
         raise ArgumentError(
@@ -101,7 +110,7 @@ def _instance(live: LiveScene, message: Any) -> GeometryInstance:
     return instance
 
 
-def _parent(names: NameTable, message: Any, source: str) -> FrameId | GeometryId:
+def _parent(names: NameTable, message: NewGeometryMessage, source: str) -> FrameId | GeometryId:
     """Return what a geometry is to be fixed to."""
     if message.parent_geometry:
         return names.geometry(message.parent_geometry)
@@ -139,7 +148,7 @@ def _at(place: str) -> Iterator[None]:
         raise ArgumentError(f'{place}{error}') from error
 
 
-def assign_role(live: LiveScene, request: Any, response: Any) -> None:
+def assign_role(live: LiveScene, request: AssignRoleRequest, response: Any) -> None:
     """Assign a role with its properties."""
     if request.assign not in (0, 1):
         raise ArgumentError(f'assign is {request.assign}; it must be 0 (NEW) or 1 (REPLACE)')
@@ -165,7 +174,7 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
     live.change(Change(change), calls_for_more=is_new)
 
 
-def change_shape(live: LiveScene, request: Any, response: Any) -> None:
+def change_shape(live: LiveScene, request: ChangeShapeRequest, response: Any) -> None:
     """Give a geometry another shape."""
     shape = shape_from_message(request.shape, live.files)
     with live.reading() as scene:

@@ -28,6 +28,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.live.conversions.names import shortened, some_of
+from drake_geom_ros.live.conversions.request_types import StateValidityRequest
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.multi_dof_joints import multi_dof_joints
@@ -55,7 +56,7 @@ class ValidityMessages(NamedTuple):
 
 
 def check_state_validity(
-    live: LiveScene, messages: ValidityMessages, request: Any, response: Any
+    live: LiveScene, messages: ValidityMessages, request: StateValidityRequest, response: Any
 ) -> None:
     """Say whether no pair overlaps at joint values, and list the contacts and cost sources.
 
@@ -148,7 +149,7 @@ def _padding(view: SceneView, id: GeometryId) -> float:
     return float(properties.GetPropertyOrDefault('proximity', 'padding', 0.0))
 
 
-def _refuse_unread(request: Any) -> None:
+def _refuse_unread(request: StateValidityRequest) -> None:
     constraints = request.constraints
     kinds = ('joint', 'position', 'orientation', 'visibility')
     if filled := [k for k in kinds if len(getattr(constraints, f'{k}_constraints'))]:

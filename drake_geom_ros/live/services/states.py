@@ -17,6 +17,7 @@ from drake_geom_ros.batch.results import LeastDistances, PairsOfStates
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError, SceneGraphContext, accuracy_of
 from drake_geom_ros.live.conversions.fields import floats, uint8s, uint32s, unsigned
+from drake_geom_ros.live.conversions.request_types import EvaluateStatesRequest
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_views import view_of_joints
 from drake_geom_ros.math.array_types import Flags, Floats
@@ -36,7 +37,7 @@ class _Evaluated(NamedTuple):
     pairs: LeastDistances | PairsOfStates | None
 
 
-def evaluate_states(live: LiveScene, request: Any, response: Any) -> None:
+def evaluate_states(live: LiveScene, request: EvaluateStatesRequest, response: Any) -> None:
     """Answer for each of many states of joints; raises RuntimeError to refuse all of them."""
     _check(request)
     view, joints, _ = view_of_joints(live, request.poses, list(request.joint_names))
@@ -54,7 +55,7 @@ def evaluate_states(live: LiveScene, request: Any, response: Any) -> None:
     response.message = view.reservations()
 
 
-def _check(request: Any) -> None:
+def _check(request: EvaluateStatesRequest) -> None:
     """Raise ArgumentError for a request that cannot be meant."""
     if request.want not in WANTS:
         raise ArgumentError(f'want is {request.want!r}; it must be one of {", ".join(WANTS)}')
@@ -69,7 +70,7 @@ def _check(request: Any) -> None:
         accuracy_of(request.accuracy)
 
 
-def _states(request: Any, joints: Joints, most_megabytes: float) -> Floats:
+def _states(request: EvaluateStatesRequest, joints: Joints, most_megabytes: float) -> Floats:
     """Return the states (n, q) of a request; raises ArgumentError for what they cannot be."""
     positions = np.asarray(request.positions, dtype=np.float64)
     if positions.size % joints.count:
@@ -92,7 +93,11 @@ def _states(request: Any, joints: Joints, most_megabytes: float) -> Floats:
 
 
 def _evaluate(
-    context: SceneGraphContext, request: Any, joints: Joints, states: Floats, inside: Flags
+    context: SceneGraphContext,
+    request: EvaluateStatesRequest,
+    joints: Joints,
+    states: Floats,
+    inside: Flags,
 ) -> tuple[int, _Evaluated]:
     """Return how many states count, and the answers of those of them that are inside limits."""
     if not request.stop_at_first:
@@ -104,7 +109,11 @@ def _evaluate(
 
 
 def _to_first(
-    context: SceneGraphContext, request: Any, joints: Joints, states: Floats, inside: Flags
+    context: SceneGraphContext,
+    request: EvaluateStatesRequest,
+    joints: Joints,
+    states: Floats,
+    inside: Flags,
 ) -> tuple[int, Flags]:
     """Return how many states there are up to the first that is not free, and which are free.
 
@@ -122,7 +131,9 @@ def _to_first(
     return len(states), np.full(len(states), True)
 
 
-def _are_free(context: SceneGraphContext, request: Any, joints: Joints, states: Floats) -> Flags:
+def _are_free(
+    context: SceneGraphContext, request: EvaluateStatesRequest, joints: Joints, states: Floats
+) -> Flags:
     """Return of which states (n, q) every pair is certified to be farther apart than clearance."""
     collides = evaluate(
         context,
@@ -136,7 +147,7 @@ def _are_free(context: SceneGraphContext, request: Any, joints: Joints, states: 
 
 
 def _answers(
-    context: SceneGraphContext, request: Any, joints: Joints, states: Floats
+    context: SceneGraphContext, request: EvaluateStatesRequest, joints: Joints, states: Floats
 ) -> _Evaluated:
     """Return the answers of states, all of them inside limits."""
     if request.want == 'collision':

@@ -14,6 +14,10 @@ from typing import Any, NamedTuple
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.fields import stamp_seconds
 from drake_geom_ros.live.conversions.names import shortened, some_of
+from drake_geom_ros.live.conversions.request_types import (
+    NamedRequest,
+    WatchTrajectoryRequest,
+)
 from drake_geom_ros.live.outputs.effects import Beside
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -96,7 +100,7 @@ class TrajectoryWatch:
         self._is_published = False  # the list of trajectories that there are
         self.judgements = 0
 
-    def begin(self, request: Any, response: Any) -> None:
+    def begin(self, request: WatchTrajectoryRequest, response: Any) -> None:
         """Watch a trajectory; raises RuntimeError to refuse it, and all stays as it was."""
         name = request.name or self._new_name()
         if name not in self._running and len(self._running) >= _MOST_WATCHED:
@@ -108,7 +112,7 @@ class TrajectoryWatch:
         self._running[name], self._is_published = running, False
         response.name = name
 
-    def end(self, request: Any, response: Any) -> None:
+    def end(self, request: NamedRequest, response: Any) -> None:
         """Watch a trajectory no longer; raises ArgumentError where none has that name."""
         if request.name not in self._running:
             raise ArgumentError(

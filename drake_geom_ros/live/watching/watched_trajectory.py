@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError, accuracy_of
 from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.conversions.message_types import TrajectoryMessage
+from drake_geom_ros.live.conversions.request_types import WatchTrajectoryRequest
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.live.services.joint_paths import for_the_scene, timed_path
+from drake_geom_ros.live.services.joint_paths import PathOfJoints, for_the_scene, timed_path
 from drake_geom_ros.live.services.joint_views import JointsNow, view_of_joints
 from drake_geom_ros.trajectories import JointSpline
 
@@ -46,7 +47,9 @@ class WatchedTrajectory:
         return float(self.spline.times[-1])
 
 
-def watched_trajectory(live: LiveScene, request: Any, name: str) -> WatchedTrajectory:
+def watched_trajectory(
+    live: LiveScene, request: WatchTrajectoryRequest, name: str
+) -> WatchedTrajectory:
     """Return the trajectory of a request; raises RuntimeError for what cannot be watched.
 
     A first point that comes later than now is reached from where the joints are now.
@@ -92,7 +95,11 @@ def watched_trajectory(live: LiveScene, request: Any, name: str) -> WatchedTraje
 
 
 def _spline_of(
-    trajectory: Any, joint_names: Sequence[str], now: JointsNow, profile: str, elapsed: float
+    trajectory: TrajectoryMessage | PathOfJoints,
+    joint_names: Sequence[str],
+    now: JointsNow,
+    profile: str,
+    elapsed: float,
 ) -> JointSpline:
     points = trajectory.points
     if len(points) and not any(seconds_of(point.time_from_start) for point in points):
@@ -102,7 +109,7 @@ def _spline_of(
     return timed_path(trajectory, joint_names, now, profile, elapsed).as_spline()
 
 
-def _refuse_numbers(request: Any) -> None:
+def _refuse_numbers(request: WatchTrajectoryRequest) -> None:
     """Raise ArgumentError for numbers that cannot be meant."""
     for name, what in (
         ('min_distance', '[m]'),

@@ -78,7 +78,7 @@ def _pair(moment: Approach) -> ReportedPairs:
     return ReportedPairs(
         ids=np.array([[moment.id_a, moment.id_b]]),
         distance=np.array([moment.distance]),
-        error_bound=np.zeros(1),
+        error_bound=np.full(1, np.inf),  # the recording keeps none
         p_WCas=moment.p_WCa[None],
         p_WCbs=moment.p_WCb[None],
         nhat_BA_Ws=moment.nhat_BA_W[None],

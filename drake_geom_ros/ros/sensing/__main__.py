@@ -31,6 +31,7 @@ from drake_geom_ros.live.inputs.late_messages import LateMessages
 from drake_geom_ros.live.inputs.obstacle_records import Found, Place
 from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.live.scene.moments import UnknownYetError
+from drake_geom_ros.ros.sensing.node_pipe import NodePipe
 from drake_geom_ros.ros.sensing.protocol import (
     ALIVE,
     CAMERA,
@@ -63,7 +64,7 @@ _KINDS: dict[str, Any] = {
 class _MapOfNode:
     """The map of an input, which the node has at the other end of a pipe."""
 
-    def __init__(self, pipe: Connection, name: str) -> None:
+    def __init__(self, pipe: NodePipe, name: str) -> None:
         self._pipe, self._name = pipe, name
 
     def begin(
@@ -80,6 +81,8 @@ class _MapOfNode:
             Begin(self._name, its_header, waited, bodies_number, publisher, duration)
         )
         assert isinstance(place, Place)
+        if place.bodies.bodies is not None:
+            self._pipe.may_compile()  # what knows new bodies
         return place
 
     def finish(self, taken: Found) -> None:
@@ -102,7 +105,7 @@ def _cloud_of(raw: bytes) -> Any:
 class _Listening:
     """The subscriptions of a process, each with what takes its messages."""
 
-    def __init__(self, node: Node, pipe: Connection) -> None:
+    def __init__(self, node: Node, pipe: NodePipe) -> None:
         self._node, self._pipe = node, pipe
         self._takers: dict[str, PointTaker] = {}  # by map
         self._open: dict[SensorTopic, Subscription[Any]] = {}
@@ -175,8 +178,9 @@ def _end_with_node() -> None:
     os._exit(0)
 
 
-def _work(pipe: Connection) -> None:
+def _work(pipe: NodePipe) -> None:
     task: Task = pipe.recv()
+    pipe.may_compile()
     compile_passes()
     compile_looking_past()
     secured = ['--ros-args', '--enclave', task.enclave]
@@ -211,7 +215,7 @@ def main() -> None:
     """Work for the node until it is gone."""
     threading.Thread(target=_end_with_node, daemon=True).start()
     try:
-        _work(Connection(int(sys.argv[1])))
+        _work(NodePipe(Connection(int(sys.argv[1]))))
     except (EOFError, ConnectionError):  # it is gone
         return
 

@@ -24,6 +24,7 @@ from drake_geom_ros.live.inputs.obstacle_records import Found, Place
 from drake_geom_ros.live.scene.moments import UnknownYetError
 from drake_geom_ros.ros.sensing.protocol import (
     ALIVE,
+    COMPILING,
     Begin,
     Finish,
     RefusalReason,
@@ -34,7 +35,7 @@ from drake_geom_ros.ros.sensing.protocol import (
 
 _MODULE = 'drake_geom_ros.ros.sensing'
 _SILENCE = 10.0  # [s] after which a process that says nothing hangs
-_COMPILING = 120.0  # [s] the same where it starts, or may have to compile what knows new bodies
+_STARTING = 120.0  # [s] the same where it starts, or may compile what knows new bodies
 _OWN = ('Private_Clean:', 'Private_Dirty:')
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.5, 10.0  # [s] before another one is started; it doubles
 _LONG_LIFE = 60.0  # [s] after which the first pause counts again
@@ -80,7 +81,7 @@ class SensingProcess:
         self._lock = threading.Lock()  # of the process
         self._process: subprocess.Popen[bytes] | None = None
         self._heard = time.monotonic()
-        self._limit = _COMPILING  # [s] for how long it may be silent
+        self._limit = _STARTING  # [s] for how long it may be silent
         self._hung = False
         self._has_other_topics = False  # than the process was sent
         # Sensors by input, frame and publisher, of which it has what is held from before.
@@ -136,7 +137,7 @@ class SensingProcess:
     def _live_once(self) -> str:
         """Start a process and answer it until it ends; return how it did, in words."""
         node_end, process_end = multiprocessing.Pipe()
-        self._heard, self._limit, self._hung = time.monotonic(), _COMPILING, False
+        self._heard, self._limit, self._hung = time.monotonic(), _STARTING, False
         self._holding = set()
         with self._lock, process_end:
             if self._closed.is_set():
@@ -176,6 +177,9 @@ class SensingProcess:
 
     def _answer(self, node_end: Connection, said: Any) -> None:
         """Do what the process asks for."""
+        if said == COMPILING:
+            self._heard, self._limit = time.monotonic(), _STARTING
+            return
         self.trouble = ''
         self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
         if isinstance(said, Begin):
@@ -185,7 +189,7 @@ class SensingProcess:
             answer = self._done(lambda: self._map_of(said.input).begin(*arguments))
             if isinstance(answer, Place):
                 if answer.bodies.bodies is not None:
-                    limit = _COMPILING
+                    limit = _STARTING
                 if self._begun in self._holding:
                     answer = answer._replace(before=None)
             node_end.send(answer)

@@ -4,7 +4,7 @@ The process receives its ``Task``. For each message it sends a ``Begin``, which 
 ``Place`` or a ``RefusalReason``, and a ``Finish``, which is answered by None or a
 ``RefusalReason``. It reports its own refusals by ``RefusedMessage``, which is not answered. Now
 and then it sends ``ALIVE``: the answer is the topics to listen to from now on, or None where these
-are as before.
+are as before. While it may compile it sends ``COMPILING``, which is not answered.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from drake_geom_ros.live.conversions.serialized_cloud import Header
 from drake_geom_ros.live.inputs.obstacle_records import Found
 
 SENSORS = '_sensors'  # what its name has behind that of the node
-ALIVE = 'alive'
+ALIVE, COMPILING = 'alive', 'compiling'
 # Kinds of messages.
 CLOUD, IMAGE, CAMERA, SCAN, CONE = 'cloud', 'image', 'camera', 'scan', 'cone'
 

@@ -15,12 +15,19 @@ from drake_geom_ros.live.conversions.cameras import (
     fill_image,
     fill_legend,
 )
+from drake_geom_ros.live.conversions.message_types import CameraMessage
 from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.conversions.request_types import (
+    AddCameraRequest,
+    EmptyRequest,
+    NamedRequest,
+    RenderImageRequest,
+)
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import IMAGES, camera_of
 
 
-def add_camera(live: LiveScene, request: Any, response: Any) -> None:
+def add_camera(live: LiveScene, request: AddCameraRequest, response: Any) -> None:
     """Add a camera."""
     message = request.camera
     with live.editing() as scene:
@@ -28,13 +35,13 @@ def add_camera(live: LiveScene, request: Any, response: Any) -> None:
         scene.cameras.add(frame, camera_from_message(message, message.name))
 
 
-def remove_camera(live: LiveScene, request: Any, response: Any) -> None:
+def remove_camera(live: LiveScene, request: NamedRequest, response: Any) -> None:
     """Remove a camera; its topics go when images are next due."""
     with live.editing() as scene:
         scene.cameras.remove(request.name)
 
 
-def list_cameras(live: LiveScene, request: Any, response: Any) -> None:
+def list_cameras(live: LiveScene, request: EmptyRequest, response: Any) -> None:
     """Report the cameras by name."""
     with live.reading() as scene:
         cameras, names = scene.cameras.by_name(), scene.model.names
@@ -43,7 +50,7 @@ def list_cameras(live: LiveScene, request: Any, response: Any) -> None:
         fill_camera(response.cameras[-1], *cameras[name], names)
 
 
-def render_image(live: LiveScene, request: Any, response: Any) -> None:
+def render_image(live: LiveScene, request: RenderImageRequest, response: Any) -> None:
     """Take images of a camera, for poses that are assumed or for the live state."""
     view = live.view(request.poses, request.joints)
     if request.camera:
@@ -74,6 +81,6 @@ def render_image(live: LiveScene, request: Any, response: Any) -> None:
     response.message = view.reservations()
 
 
-def _frame(names: NameTable, message: Any) -> FrameId:
+def _frame(names: NameTable, message: CameraMessage) -> FrameId:
     """Return the frame that a Camera message names; empty: the world."""
     return names.frame(message.frame) if message.frame else names.world

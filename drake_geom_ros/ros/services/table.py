@@ -25,8 +25,8 @@ from drake_geom_ros.ros.services import cameras
 
 Handler = Callable[[LiveScene, Any, Any], None]
 
-# What changes the scene, which is prepared first where the scene is large: beside the main thread,
-# which ends leases, and apart from what loads for long.
+# Services that change the scene, prepared first if the scene is large: beside the main thread,
+# which ends leases, and apart from those that load for long.
 CHANGES: tuple[tuple[str, Any, Handler], ...] = (
     ('register_source', srv.RegisterSource, scene.register_source),
     ('attach', srv.Attach, scene.attach),
@@ -43,7 +43,7 @@ CHANGES: tuple[tuple[str, Any, Handler], ...] = (
     ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
 )
 
-# What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
+# Services that may read files and compile kernels, for seconds: beside cycle and queries.
 # (Measured with two arms at 100 Hz and a solid mesh whose kernels were not compiled yet: in the
 # thread of the queries has_collisions waited 98 s, in one of their own 0.4 s; cycles do not
 # notice which, with or without load.)
@@ -65,7 +65,7 @@ LOADING: tuple[tuple[str, Any, Handler], ...] = (
     ('save_obstacles', srv.SaveObstacles, obstacles.save_obstacles),
 )
 
-# What asks: beside the cycle.
+# Queries: beside the cycle.
 BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('get_filters', srv.GetFilters, queries.get_filters),
     ('explain_filter', srv.ExplainFilter, queries.explain_filter),
@@ -111,12 +111,12 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ),
 )
 
-# What takes images: beside all of these, for the first one compiles for seconds.
+# Images: beside all of these, for the first one compiles for seconds.
 IMAGES: tuple[tuple[str, Any, Handler], ...] = (
     ('render_image', srv.RenderImage, cameras.render_image),
 )
 
-# What asks for many states at once, or for surfaces of fine meshes: for seconds, beside all these.
+# Queries of many states, or of surfaces of fine meshes: for seconds, beside all these.
 PLANNING: tuple[tuple[str, Any, Handler], ...] = (
     ('evaluate_states', srv.EvaluateStates, states.evaluate_states),
     (
@@ -126,12 +126,12 @@ PLANNING: tuple[tuple[str, Any, Handler], ...] = (
     ),
 )
 
-# What proves motions, for as long as that takes: beside all of these.
+# Proofs of motions, for as long as they take: beside all of these.
 MOTIONS: tuple[tuple[str, Any, Handler], ...] = (
     ('check_motion', srv.CheckMotion, motions.check_motion),
 )
 
-# What judges trajectories that run, in the thread that judges them again.
+# Running trajectories, in the thread that judges them again.
 WATCHING: tuple[tuple[str, Any, Callable[[TrajectoryWatch, Any, Any], None]], ...] = (
     ('watch_trajectory', srv.WatchTrajectory, TrajectoryWatch.begin),
     ('unwatch_trajectory', srv.UnwatchTrajectory, TrajectoryWatch.end),

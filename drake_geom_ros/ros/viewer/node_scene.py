@@ -31,7 +31,7 @@ from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
 from drake_geom_ros.ros.viewer.node_tables import NodeTables, in_words
 from drake_geom_ros.viewing.bodies import ShownBody
 from drake_geom_ros.viewing.cell_layers import CELL_LAYERS, CellLayer
-from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
+from drake_geom_ros.viewing.looks import Look, colour_by, is_drawn, solid_by
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
 from drake_geom_ros.viewing.shown_contacts import ShownContacts
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
@@ -91,7 +91,7 @@ class NodeScene:
     # As ShownScene says.
 
     def version(self) -> object:
-        """Return what changes with each message, and each second while none comes."""
+        """Return a value that changes with each message, and each second without one."""
         return self._changes, int(time.monotonic() - self._heard)
 
     def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> ShownMoment:
@@ -155,7 +155,7 @@ class NodeScene:
         return said + self._troubles
 
     def _left_out(self, results: Any) -> list[str]:
-        """Return in words what the pairs shown do not speak of: no line there is no free space."""
+        """Return in words which pairs are not shown; a missing line does not mean free space."""
         if results is None or results.names_version != self._known:
             return []
         frames, pairs = list(results.waiting_frames), int(results.waiting_pairs)
@@ -197,6 +197,8 @@ class NodeScene:
             source = sources[entry.source_id]
             shown[entry.id] = ShownBody(entry.id, name, source, frame, shape, roles)
             for role, properties in roles.items():
+                if not is_drawn(properties):
+                    continue
                 colour = colour_by(properties, role, ranks[entry.source_id], shape)
                 solid = solid_by(properties, role)
                 looks.append(Look(GeometryId(entry.id), role, name, colour, shape, solid))
@@ -276,7 +278,7 @@ class NodeScene:
     # Answers.
 
     def _shown_rules(self, pairs: ReportedPairs) -> list[ShownRule]:
-        """Return how the rules stand, with the nearest of the pairs that each is about."""
+        """Return the states of the rules, each with its nearest pair."""
         message = self._rules
         if message is None or self._known < 0:
             return []
@@ -319,7 +321,7 @@ class NodeScene:
         ).sorted()
 
     def _ask(self, max_distance: float, accuracy: str) -> None:
-        """Ask for pairs, if it is time to; the answer is shown when it comes."""
+        """Request pairs when due; the answer is shown when it arrives."""
         now = time.monotonic()
         name = 'compute_signed_distance_pairwise'
         if now < self._next or self._services.missing(name):

@@ -152,7 +152,7 @@ def _ages_table(answer: Any) -> TextTable:
 
 def stopping_table(message: msg.Stopping) -> TextTable:
     """Return a row for each rule of the level STOPPABLE: whether all stand before contact."""
-    columns = ('rule', 'stops in time', 'in', 'within', 'least clearance', 'pair')
+    columns = ('rule', 'stops in time', 'after', 'within', 'minimum clearance', 'pair')
     rows = []
     for k, rule in enumerate(message.rules):
         trouble = message.trouble[k]

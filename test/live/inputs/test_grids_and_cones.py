@@ -27,6 +27,7 @@ frames:
 - {name: map, source: s, pose: {position: [1, 0, 0.5], rpy: [0, 0, 1.5707963]}, static: true}
 - {name: cart, source: s, pose: {position: [1, 0, 0]}}
 - {name: ramp, source: s, pose: {rpy: [0.1, 0, 0]}, static: true}
+- {name: late, source: s, static: true}
 geometries:
 - {name: hand, source: s, frame: arm, shape: {type: sphere, radius: 0.1}}
 """
@@ -227,10 +228,17 @@ def pose(node, name, X):
         scene.poses.pose(poses, posed, stamp_of(100.5), MESSAGES, rows)
 
 
+def hear(maps, node, frame, publisher='', cell=(0.52, -0.37)):
+    """Have a static map hear a grid of one cell."""
+    message = grid([cell], frame=frame)
+    taken = partial(node.input.take_grid, message, publisher=publisher)
+    maps.take('seen', publisher, message.header, taken)
+
+
 def lasting(node, frame):
     """Return what has the static map of a node follow, with a grid of one cell taken."""
-    maps, message = LastingMaps(node.live, node.frames), grid([[0.52, -0.37]], frame=frame)
-    maps.take('seen', message.header, partial(node.input.take_grid, message))
+    maps = LastingMaps(node.live, node.frames)
+    hear(maps, node, frame)
     return maps
 
 
@@ -258,6 +266,46 @@ def test_a_static_grid_waits_once_its_frame_moves():
     assert node.pairs()[1] > 0
     maps.look()
     assert node.centres() is None, 'it waits for another message'
+
+
+def test_a_static_map_follows_the_frames_of_all_its_publishers():
+    moved = RigidTransform([3.0, 0.0, 0.5])
+    nodes = [node_of('occupancy_grid', static=True) for _ in range(2)]
+    for node, is_posed_first in zip(nodes, (True, False), strict=True):
+        maps = LastingMaps(node.live, node.frames)
+        if is_posed_first:
+            pose(node, 'map', moved)
+        hear(maps, node, 'map', publisher='one')
+        hear(maps, node, 'mast', publisher='two', cell=(-0.5, 0.5))
+        if not is_posed_first:
+            pose(node, 'map', moved)
+        maps.look()
+    assert rounded(nodes[0].centres()) == rounded(nodes[1].centres())
+    x = nodes[0].centres()[:, 0]
+    assert (x.min(), x.max()) == pytest.approx((-0.5, 3.5), abs=0.1), 'both are there'
+
+
+def test_a_static_map_that_comes_before_the_pose_of_its_frame_waits_for_it():
+    node = node_of('occupancy_grid', static=True)
+    maps = LastingMaps(node.live, node.frames)
+    with pytest.raises(ArgumentError, match='late'):
+        hear(maps, node, 'late')
+    maps.look()
+    assert node.centres() is None
+    pose(node, 'late', RigidTransform([1.0, 0.0, 0.0]))
+    maps.look()
+    assert rounded(node.centres()) == [[1.55, -0.35, 0.0]]
+
+
+def test_a_refused_map_clears_nothing_that_is_held():
+    node = node_of('occupancy_grid', static=True)
+    maps = lasting(node, 'map')
+    held = node.centres()
+    for frame in ('arm', 'late'):
+        with pytest.raises(ArgumentError):
+            hear(maps, node, frame)
+        maps.look()
+        np.testing.assert_array_equal(node.centres(), held)
 
 
 def test_a_static_grid_that_was_cleared_does_not_come_back():

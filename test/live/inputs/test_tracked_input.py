@@ -12,6 +12,7 @@ from live.live_scenes import Clock
 
 from drake_geom_ros.geometry import Box, Sphere
 from drake_geom_ros.live.conversions.file_access import FileAccess
+from drake_geom_ros.live.conversions.scene import fill_roles, properties_from_message
 from drake_geom_ros.live.conversions.tracked_objects import TrackedObjectsReader
 from drake_geom_ros.live.inputs.tracked_input import TrackedInput
 from drake_geom_ros.live.scene.changes.addition import addition
@@ -20,6 +21,7 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services import scene as services
 from drake_geom_ros.proximity_rules import Why
 from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.viewing.looks import is_drawn, looks_of
 
 CELL = """
 frames: [{name: hand, source: arm, pose: {}}]
@@ -127,6 +129,23 @@ def cell():
     return Cell()
 
 
+def test_the_heartbeat_is_in_no_picture(cell):
+    cell.hear({'anna': 3.0})
+    with cell.live.reading() as scene:
+        looks = looks_of(scene.model.inspector)
+        heartbeat = scene.model.names.geometry('tracked::heartbeat/heartbeat')
+        message = Plain(roles=[])
+        types = Plain(
+            Role=lambda role: Plain(role=role, properties=[]),
+            Property=lambda group, name: Plain(group=group, name=name, value=Plain()),
+        )
+        fill_roles(message, scene.model.inspector, heartbeat, types)
+    assert {look.name for look in looks} >= {'tracked::anna/body', 'arm::hand/hand'}
+    assert 'tracked::heartbeat/heartbeat' not in {look.name for look in looks}
+    (role,) = message.roles  # from which a page of another process draws
+    assert not is_drawn(properties_from_message(role))
+
+
 def test_bodies_come_move_and_leave_when_they_are_not_named(cell):
     cell.hear({'anna': 3.0, 'ben': 4.0})
     assert cell.names() == [
@@ -223,6 +242,25 @@ def test_lifetimes_begin_anew_where_the_clock_jumps(cell):
     assert cell.input.sweep() == 0
     assert cell.why() == Why.STALE
     cell.wait(0.6)
+    assert cell.input.sweep() == 1
+
+
+def test_lifetimes_end_by_the_time_to_which_the_clock_went_back(cell):
+    cell.hear({'anna': 3.0})
+    cell.live.clocks.begin_anew()
+    cell.node.now -= 1000.0
+    cell.hear({})
+    cell.wait(0.6)
+    assert cell.input.sweep() == 1
+
+
+def test_the_shortest_lifetime_ends_first(cell):
+    cell.hear({'anna': 3.0, 'ben': 4.0}, lifetimes=[0.9, 0.3])
+    cell.wait(0.4)
+    assert cell.input.sweep() == 1
+    assert set(cell.xs()) == {'anna'}
+    cell.hear({'anna': 3.0}, lifetime=0.2)
+    cell.wait(0.25)
     assert cell.input.sweep() == 1
 
 
@@ -415,6 +453,8 @@ def test_velocities_are_those_of_closing_speeds_in_the_axes_of_the_header(cell):
                 max_size=3,
             ),
             st.sampled_from([0.0, 0.1, 0.3, 0.6]),
+            st.sampled_from([0.2, 0.5, math.inf]),
+            st.booleans(),
             st.booleans(),
         ),
         max_size=12,
@@ -422,18 +462,20 @@ def test_velocities_are_those_of_closing_speeds_in_the_axes_of_the_header(cell):
 )
 def test_the_scene_has_the_bodies_that_were_named_within_their_lifetimes(steps):
     cell, expected = Cell(), {}
-    for bodies, wait, sweeps in steps:
+    for bodies, wait, lifetime, jumps, sweeps in steps:
         cell.wait(wait)
-        cell.hear(bodies)
+        if jumps:
+            cell.live.clocks.begin_anew()
+            cell.node.now -= 1000.0
+            expected = {n: (*each[:3], cell.node.now) for n, each in expected.items()}
+        cell.hear(bodies, lifetime=lifetime)
         for name, (x, shape) in bodies.items():
-            expected[name] = x, shape, cell.node.now
+            expected[name] = x, shape, lifetime, cell.node.now
         if sweeps:
             cell.input.sweep()
-        expected = {
-            name: each for name, each in expected.items() if cell.node.now - each[2] <= 0.5
-        }
+        expected = {n: each for n, each in expected.items() if cell.node.now - each[3] <= each[2]}
         assert cell.xs() == {name: each[0] for name, each in expected.items()}
         with cell.live.reading() as scene:
-            for name, (_, (kind, sizes), _) in expected.items():
+            for name, (_, (kind, sizes), *_) in expected.items():
                 shape = scene.model.inspector.GetShape(scene.tracked.bodies[name].geometry)
                 assert shape == (Sphere if kind == 1 else Box)(*sizes)

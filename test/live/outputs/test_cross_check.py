@@ -13,7 +13,7 @@ from drake_geom_ros.replay import Opinion, read
 
 pytestmark = pytest.mark.clock
 
-PATIENCE = 20.0  # [s]
+PATIENCE = 60.0  # [s]
 
 
 @pytest.fixture

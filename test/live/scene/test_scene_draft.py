@@ -5,6 +5,7 @@ clock is read. How long cycles wait for what, ``bench.ros.arrivals`` measures.
 """
 
 import threading
+import weakref
 from types import SimpleNamespace as Plain
 
 import numpy as np
@@ -12,11 +13,14 @@ import pytest
 from live.live_scenes import Clock, live_scene
 
 from drake_geom_ros.geometry import CandidatePairs, QueryObject
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.scene import scene_model
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.changes.attachment import attachment
 from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
+from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.map_placing import stand
 from drake_geom_ros.live.scene.map_sources import MapSources
@@ -221,6 +225,46 @@ def test_cycles_go_on_while_it_is_made_ready_and_find_all_done(live, arrival):
             REACH
         )
         assert distances == sorted(np.round(fresh.distance, 6).tolist())
+
+
+def test_the_model_is_copied_while_others_have_the_scene(live, monkeypatch):
+    register(live)  # it leaves a copy for snapshots
+    copying, copies = Model.copy, []
+
+    def have_the_scene():
+        with live.editing():
+            pass
+
+    def copied(model):
+        other = threading.Thread(target=have_the_scene)
+        other.start()
+        other.join(PATIENCE)
+        assert not other.is_alive()  # nobody has the scene
+        copies.append(model)
+        return copying(model)
+
+    monkeypatch.setattr(Model, 'copy', copied)
+    scene.remove_source(live, Plain(source='parts'), Plain())
+    assert copies
+    with live.reading() as held:
+        assert held.model.names.geometry('rest::world/g')
+        inspector = held.model.inspector
+        assert 'parts' not in map(inspector.GetName, inspector.GetAllSourceIds())
+
+
+def test_what_a_draft_replaced_ends_with_the_draft(live):
+    with live.reading() as held:
+        source = held.model.names.source('parts')
+        (frame,) = held.model.inspector.FramesForSource(source)
+        record = weakref.ref(content_of(held.model.scene_graph).model.frames[frame])
+        change = removal(held, source)
+    draft, _ = live.make_ready(change)
+    with live.editing() as held:
+        assert held.take_over(draft)
+        assert frame not in content_of(held.model.scene_graph).model.frames
+    assert record() is not None  # it was not freed while the scene was held
+    del draft, held
+    assert record() is None
 
 
 def test_a_map_that_comes_while_a_robot_is_replaced_waits_again(live):

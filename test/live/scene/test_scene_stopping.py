@@ -12,6 +12,7 @@ from std_msgs.msg import Float64
 
 from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
+from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.services.proximity_rules import add_proximity_rule
 from drake_geom_ros.proximity_rules import RuleError, Why
 
@@ -136,7 +137,7 @@ def test_people_near_the_way_slow_and_those_who_are_stale_grow(cell):
 def test_without_a_speed_nothing_is_proved(cell):
     message = cell.cycle(0.5)
     assert list(message.clear) == [False]
-    assert 'nobody knows how fast rod::turn move' in message.trouble[0]
+    assert 'nobody knows how fast rod::turn moves: ' in message.trouble[0]
     assert cell.scale == 0.0
     assert any('proves no stop' in trouble for trouble in cell.troubles())
     # A second stamped value tells the speed.
@@ -182,3 +183,15 @@ def test_a_rule_about_joints_that_are_not_there_is_refused(cell):
     rule.joint_names = ['turn']
     add_proximity_rule(cell.live, Plain(rule=rule), Plain())
     assert list(cell.cycle(0.0, 0.0).rules) == ['stop', 'other']
+
+
+def test_there_are_no_ways_of_a_robot_that_has_left(cell):
+    cell.cycle(0.5, 1.0)
+    with cell.live.editing() as scene:
+        frames, ways = scene.stopping.ways()
+        assert (len(frames), len(ways)) == (1, 1)
+        assert len(ways[0])
+        scene.make(removal(scene, scene.model.names.source('person')))
+        assert len(scene.stopping.ways()[1]) == 1
+        scene.make(removal(scene, scene.model.names.source('rod')))
+        assert len(scene.stopping.ways()[1]) == 0

@@ -9,7 +9,7 @@ from ros.scene_calls import accepted
 
 from bench.ros.mix import MixedClient, Tally, open_services
 
-pytestmark = pytest.mark.topics
+pytestmark = [pytest.mark.topics, pytest.mark.everything]
 
 SCENE = ROOT / 'scenes/minimal.yaml'
 SECONDS = 8.0

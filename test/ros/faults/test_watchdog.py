@@ -12,7 +12,7 @@ import pytest
 from drake_geom_msgs import srv
 from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import GetState
-from ros.harness import PATIENCE, Process
+from ros.harness import Process
 from ros.scene_calls import accepted
 
 pytestmark = pytest.mark.topics
@@ -95,7 +95,7 @@ def test_the_process_ends_where_it_may(start, lone_client, kind, name):
 
 
 BUSY = """
-import os, sys, threading, time
+import os, sys, threading
 from drake_geom_ros.live.watchdog import Watchdog
 
 def descend(depth):
@@ -109,12 +109,15 @@ sys.setswitchinterval(1e-4)
 for _ in range(3):
     threading.Thread(target=work, daemon=True).start()
 Watchdog(0.05, exits=False).feed()
-time.sleep(4.0)
+sys.stdin.read()
 os._exit(0)
 """
 
 
 def test_threads_that_run_are_told_of_without_harm():
-    done = subprocess.run([sys.executable, '-c', BUSY], capture_output=True, timeout=PATIENCE)
-    assert done.returncode == 0
-    assert done.stderr.count(b'Timeout (0:00:00.05') > 1
+    pipes = dict.fromkeys(('stdin', 'stderr'), subprocess.PIPE)
+    with subprocess.Popen([sys.executable, '-c', BUSY], **pipes) as busy:
+        reports = (line for line in busy.stderr if b'Timeout (0:00:00.05' in line)
+        assert [bool(next(reports, None)) for _ in range(2)] == [True, True]
+        busy.communicate()
+    assert busy.returncode == 0

@@ -161,3 +161,37 @@ def test_it_ends_with_who_started_it_however_that_dies():
         assert is_there(pid)
         other.kill()
     wait_for(lambda: not is_there(pid), 'the end of what it started')
+
+
+# In place of the process: it says that it compiles, for longer than it may be silent.
+COMPILES = """\
+from multiprocessing.connection import Connection
+import sys, time
+from drake_geom_ros.ros.sensing.protocol import ALIVE, COMPILING
+pipe = Connection(int(sys.argv[1]))
+pipe.recv()
+for _ in range(30):
+    pipe.send(COMPILING)
+    time.sleep(0.1)
+while True:
+    pipe.send(ALIVE)
+    pipe.recv()
+    time.sleep(0.1)
+"""
+
+
+def test_one_that_compiles_for_long_is_let_alone(heard, monkeypatch, tmp_path):
+    (tmp_path / 'compiling_sensing.py').write_text(COMPILES)
+    monkeypatch.setenv('PYTHONPATH', f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}')
+    monkeypatch.setattr(tested, '_MODULE', 'compiling_sensing')
+    sensing, signs = SensingProcess(IDLE, {}, heard), set()
+
+    def works():
+        if sensing.trouble:  # what takes nothing yet is in trouble
+            signs.add(sensing._heard)
+        return not sensing.trouble
+
+    wait_for(works, 'its work', sensing.look)
+    assert len(signs) > 3
+    assert (sensing.starts, heard.told) == (1, [])
+    sensing.close()

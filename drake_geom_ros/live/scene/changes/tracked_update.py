@@ -102,11 +102,13 @@ def tracked_update(
 
 
 def _heartbeat(graph: SceneGraph, context: SceneGraphContext | None) -> Heartbeat:
-    """Register the source of tracked bodies with its heartbeat, which is in no pair."""
+    """Register the source of tracked bodies with its heartbeat, in no pair and no picture."""
     source = graph.RegisterSource(context=context, name=TRACKED)
     frame = graph.RegisterFrame(context=context, source_id=source, frame=GeometryFrame(HEARTBEAT))
     instance = GeometryInstance(RigidTransform(), Sphere(0.1), HEARTBEAT)
-    instance.set_proximity_properties(ProximityProperties())
+    proximity = ProximityProperties()
+    proximity.AddProperty('renderer', 'accepting', '')
+    instance.set_proximity_properties(proximity)
     geometry = graph.RegisterGeometry(
         context=context, source_id=source, frame_id=frame, geometry=instance
     )

@@ -40,7 +40,7 @@ _ALLOWED = f'{SOURCE}: allowed_collision_matrix'  # the owner of its filter
 
 
 class SceneChangedError(GeometryError):
-    """The scene is another one than the one that a change was made for."""
+    """The scene has changed since a change was made for it."""
 
 
 @dataclass
@@ -285,7 +285,7 @@ class _Edit:
             made.in_world.append(frame)
 
     def _end_filter(self, frame: FrameId) -> None:
-        """Remove the filter of what an attached object may touch, if there is one."""
+        """Remove the filter of an attached object's touch links, if there is one."""
         manager = self._graph.collision_filter_manager(self._context)
         ended = self._filters.get(frame)
         if ended is not None and manager.RemoveDeclaration(ended):
@@ -357,7 +357,7 @@ def _weld(manager: CollisionFilterManager, frames: Iterable[FrameId]) -> None:
 
 
 def _settle(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
-    """Know of poses, welds and filters what belongs to a change that was made."""
+    """Update poses, welds and filters after a change."""
     scene.poses.forget(made.removed)
     scene.cameras.forget(made.removed)
     scene.filters.forget_frames(made.removed)
