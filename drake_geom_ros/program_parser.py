@@ -29,6 +29,27 @@ class ProgramParser(argparse.ArgumentParser):
             self.error(f'there is no option {unknown[0]}{meant}')
         return options, rest
 
+    def refuse_unknown_option(self, word: str) -> None:
+        """End the process where an option is none of this parser's, nor the start of one.
+
+        argparse asks for the command first, which a misspelt ``--version`` does not need.
+        """
+        name, options = word.partition('=')[0], self._option_string_actions
+        if name.startswith('--') and not any(each.startswith(name) for each in options):
+            from drake_geom_ros.common.nearest import nearest
+
+            self.error(f'there is no option {name}{nearest(name, options)}')
+
+    def refuse_empty(self, words: Sequence[str]) -> None:
+        """End the process where an argument is empty, which would count as one not given."""
+        for k, word in enumerate(words):
+            name, equals, value = word.partition('=')
+            if not word or (word.startswith('--') and equals and not value):
+                which = name or (
+                    words[k - 1] if k and words[k - 1].startswith('-') else 'argument'
+                )
+                self.error(f'{which}: an empty text; was a variable of the shell not set?')
+
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and end the process with exit code 2."""
         self.print_usage(sys.stderr)

@@ -153,7 +153,7 @@ def draw(path, straight, planned, target):
             axes.plot([p[0], r[0]], [p[1], r[1]], color='black', linewidth=2)
     axes.set(aspect='equal', xlabel='x [m]', ylabel='y [m]', ylim=(-0.55, 0.35))
     axes.legend(loc='lower left')
-    figure.savefig(target, dpi=100)
+    figure.savefig(target, dpi=100, bbox_inches='tight')
 
 
 def main():

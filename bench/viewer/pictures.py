@@ -44,6 +44,7 @@ _TURNING = {
     for k, q in enumerate(values, start=1)
 } | {f'{arm}::panda_finger_joint1': (0.02, 0.0) for arm in ('left', 'right')}
 _SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
+_MOVING = 2.0  # [s] until it has drawn the same view of bodies that have moved
 _CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
 _COLOURS = 256  # of a picture, which is a third as large so
 _MOMENT = 5.35  # [s] of the demo's motion, with both arms above the table
@@ -116,8 +117,10 @@ def with_node(out: Path) -> None:
         press(browser, 'to-live')
         photograph(browser, out / 'viewing_node.png')
         press(browser, 'to-rules')
+        # The arms stay near each other for ten seconds, and the picture is to show that.
+        browser.wait_for(lambda: 'entered: near' not in browser.text(), 'arms that part')
         browser.wait_for(lambda: 'entered: near' in browser.text(), 'a rule that is entered')
-        photograph(browser, out / 'proximity_rules.png')
+        photograph(browser, out / 'proximity_rules.png', settling=_MOVING)
         browser.close()
 
 
@@ -187,12 +190,14 @@ def press(browser: Browser, name: str) -> None:
     browser.ask(f"document.getElementById('{name}').click()")
 
 
-def photograph(browser: Browser, path: Path) -> None:
+def photograph(browser: Browser, path: Path, settling: float = _SETTLING) -> None:
     """Write what a browser shows, once it has drawn it."""
-    time.sleep(_SETTLING)
+    time.sleep(settling)
     browser.screenshot(path)
     image = Image.open(path).convert('RGB')
-    image.quantize(_COLOURS, method=Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
+    # Without rounds of k-means, plain grounds get the tint of other colours.
+    few = image.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=4, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
     print(path)
 
 

@@ -34,6 +34,13 @@ from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
 # The same questions by the words of ``query``.
 AS_IN_QUERIES = {words: word for word, words in AS_IN_BATCHES.items()}
+# Titles of histograms, by what is asked for.
+_TITLES = {
+    'least': 'minimum distance of each state',
+    'nearest': 'distances of the nearest pairs of each state',
+    'within': 'distances of near pairs of each state',
+    'points': 'distances of points in each state',
+}
 
 
 def add_to(commands: Any) -> None:
@@ -154,7 +161,8 @@ def run(options: argparse.Namespace) -> int:
     summary = Summary()
     write(output, summary.of(_columns(parts, states, options.without_states)), about)
     if options.picture:
-        summary.draw(Path(options.picture), f'{Path(options.scene).stem}: {question.want}')
+        title = f'{Path(options.scene).stem}: {_TITLES.get(question.want, question.want)}'
+        summary.draw(Path(options.picture), title)
     if not parts.remove():
         print(f'{parts.folder} stays: it holds what is not of this run', file=sys.stderr)
     print(*summary.lines(), f'seconds {time.perf_counter() - start:.2f}', sep='\n')

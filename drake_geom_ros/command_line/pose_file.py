@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
-from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of, is_json
+from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of, is_json, name_of
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import Location, SceneFileError
 from drake_geom_ros.scene_files.yaml_text import text_of
@@ -47,14 +47,15 @@ def read_poses(path: str | Path) -> list[PoseSet]:
     ``-`` is the standard input. Raises SceneFileError, naming file and line (CSV) or key (JSON),
     for another format, numbers that are no pose, and a frame that is posed twice at the same time.
     """
-    file = str(path)
-    if file != STANDARD_INPUT and Path(file).suffix not in SUFFIXES:
+    path = str(path)
+    file = name_of(path)
+    if path != STANDARD_INPUT and Path(path).suffix not in SUFFIXES:
         raise SceneFileError(f'a pose file ends with one of {", ".join(SUFFIXES)}', file)
     try:
-        text = text_of(bytes_of(file), file)
+        text = text_of(bytes_of(path), file)
     except OSError as error:
         raise SceneFileError(f'cannot be read: {error.strerror}', file) from None
-    sets = list((_from_json if is_json(file, text) else _from_csv)(text, file))
+    sets = list((_from_json if is_json(path, text) else _from_csv)(text, file))
     if not sets:
         raise SceneFileError('there is no moment in it', file)
     for moment in sets:

@@ -3,7 +3,6 @@
 Only the module of the command that runs is imported: help and completion take no geometry.
 """
 
-import argparse
 import errno
 import sys
 from collections.abc import Mapping, Sequence
@@ -59,6 +58,7 @@ def main(
     words = spread(sys.argv[1:] if arguments is None else arguments)
     try:
         parser = parser_of(prog, others or {}, words[:1])
+        parser.refuse_empty(words)
         options = parser.parse_args(words)
         if list(vars(options).values()).count(STANDARD_INPUT) > 1:
             parser.error(f'{STANDARD_INPUT!r} is the standard input, which can be one file only')
@@ -78,9 +78,7 @@ def main(
         return BAD_INPUT
 
 
-def parser_of(
-    prog: str, others: Mapping[str, str], chosen: Sequence[str]
-) -> argparse.ArgumentParser:
+def parser_of(prog: str, others: Mapping[str, str], chosen: Sequence[str]) -> ProgramParser:
     """Return the parser of the program, with the arguments of the chosen commands alone."""
     parser = ProgramParser(
         prog=prog,
@@ -90,6 +88,8 @@ def parser_of(
     )
     parser.add_argument('--version', action='version', version=f'drake_geom_ros {VERSION}')
     parser.set_defaults(others=others)
+    for word in chosen:
+        parser.refuse_unknown_option(word)
     known = {**COMMANDS, **others}
     if chosen and chosen[0] not in known and not chosen[0].startswith('-'):
         from drake_geom_ros.common.nearest import nearest

@@ -25,9 +25,10 @@ from drake_geom_ros.command_line.answers import (
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
 from drake_geom_ros.command_line.opened_scene import OpenedScene
 from drake_geom_ros.command_line.option_values import ACCURACY_HELP, accuracy, count, distance
+from drake_geom_ros.command_line.pairs_between import add_between_to, exclude_other_pairs
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.scene_input import add_scene_options
-from drake_geom_ros.command_line.standard_input import bytes_of, is_json
+from drake_geom_ros.command_line.standard_input import bytes_of, is_json, name_of
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.scene_files.yaml_text import text_of
@@ -61,6 +62,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--count', type=count, default=1, metavar='K', help='pairs for --what nearest (default: 1)'
     )
+    add_between_to(parser, 'the question is')
     parser.add_argument(
         '--max-distance',
         type=distance,
@@ -90,11 +92,17 @@ def run(options: argparse.Namespace) -> int:
         raise SceneFileError(
             f'--count {options.count} goes with --what nearest, not {options.what}', options.scene
         )
+    if options.points and options.between:
+        raise SceneFileError(
+            f'--between {options.between[0]} is about pairs; --what points has none', options.scene
+        )
     points = points_of_file(options.points) if options.points else None
     query_options = QueryOptions(options.max_distance, options.accuracy, points, options.count)
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = OpenedScene(options.scene, options.srdf, options.package_root, options.solid)
     pose_joints(scene, options.joints)
+    if options.between:
+        exclude_other_pairs(scene.scene_graph, scene.context, options.between)
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
     check_outputs({'--out': options.out}, inputs)
 
@@ -126,7 +134,8 @@ def _target(path: str | None) -> AbstractContextManager[TextIO]:
 
 def points_of_file(path: str) -> NDArray[np.float64]:
     """Return the points (m, 3) [m] of a file; raises SceneFileError for another format."""
-    text = text_of(bytes_of(path), path)
+    file = name_of(path)
+    text = text_of(bytes_of(path), file)
     try:
         if is_json(path, text):
             points = np.array(json.loads(text), dtype=np.float64).reshape(-1, 3)
@@ -137,8 +146,8 @@ def points_of_file(path: str) -> NDArray[np.float64]:
         reason = f'there is no column {error}' if isinstance(error, KeyError) else str(error)
         raise SceneFileError(
             f'must hold points, CSV with the columns x,y,z or JSON [[x, y, z], ...]: {reason}',
-            path,
+            file,
         ) from None
     if not len(points):
-        raise SceneFileError('there is no point in it', path)
+        raise SceneFileError('there is no point in it', file)
     return points.reshape(-1, 3)

@@ -16,6 +16,7 @@ from drake_geom_ros.command_line.exit_codes import (
     print_unforeseen,
 )
 from drake_geom_ros.command_line.option_values import count_or_zero, distance, finite, positive
+from drake_geom_ros.command_line.pairs_between import add_between_to
 from drake_geom_ros.command_line.recording_input import add_topics_to
 from drake_geom_ros.command_line.report_making import THRESHOLDS, make_report
 from drake_geom_ros.command_line.scene_input import read_and_warn
@@ -54,13 +55,7 @@ def add_to(commands: Any) -> None:
         metavar='FOLDER',
         help="made where it is missing (default: RUN's name and _report, in the current folder)",
     )
-    parser.add_argument(
-        '--between',
-        action='append',
-        default=[],
-        metavar='A:B',
-        help='pairs of two names or patterns of sources, frames or geometries; may be repeated',
-    )
+    add_between_to(parser, 'the report is')
     parser.add_argument(
         '--max-distance', type=distance, default=math.inf, metavar='D', help='[m] (default: inf)'
     )

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of
+from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of, name_of
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import (
     LoadedScene,
@@ -62,8 +62,14 @@ def read_and_warn(
     chosen = RobotOptions(solid_meshes=('*',) if solid else ())
     text = path
     if path == STANDARD_INPUT:
-        text = text_of(bytes_of(path), path) + '\n'  # a line break: no path
-    description = read_scene(text, srdf=srdf, package_roots=package_roots, options=chosen)
+        text = text_of(bytes_of(path), name_of(path)) + '\n'  # a line break: no path
+    description = read_scene(
+        text,
+        srdf=srdf,
+        package_roots=package_roots,
+        options=chosen,
+        text_name=name_of(STANDARD_INPUT),
+    )
     sensors = sensors_left_out(description.obstacle_sources)
     gates = gates_left_out(description.gates)
     for warning in filter(None, (*description.warnings, sensors, gates)):

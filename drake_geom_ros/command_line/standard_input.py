@@ -6,6 +6,11 @@ from pathlib import Path
 STANDARD_INPUT = '-'
 
 
+def name_of(path: str) -> str:
+    """Return the name of a file, or of the standard input, in errors."""
+    return 'standard input' if path == STANDARD_INPUT else path
+
+
 def bytes_of(path: str) -> bytes:
     """Return the content of a file, or of the standard input; raises OSError."""
     if path == STANDARD_INPUT:

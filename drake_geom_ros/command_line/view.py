@@ -6,8 +6,6 @@ import threading
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from drake_geom_ros.command_line.configurations import (
     add_joints_to,
     add_states_to,
@@ -22,18 +20,14 @@ from drake_geom_ros.command_line.option_values import (
     distance,
     positive,
 )
+from drake_geom_ros.command_line.pairs_between import add_between_to, exclude_other_pairs
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.recording_input import add_topics_to, topics_of
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import (
     ArgumentError,
-    CollisionFilterDeclaration,
     FramePoseVector,
-    GeometryId,
-    GeometrySet,
-    QueryObject,
 )
-from drake_geom_ros.recordings.pair_sets import pair_sets, selected_pairs
 from drake_geom_ros.recordings.recorded_poses import recorded_poses
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -75,14 +69,7 @@ def add_to(commands: Any) -> None:
     moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
     add_states_to(moving)
     add_joints_to(parser)
-    parser.add_argument(
-        '--between',
-        action='append',
-        default=[],
-        metavar='A:B',
-        help='pairs of two names or patterns of sources, frames or geometries that the plot of '
-        'the motion is about (default: all); may be repeated',
-    )
+    add_between_to(parser, 'the plot of the motion is')
     parser.add_argument(
         '--max-distance',
         type=distance,
@@ -154,19 +141,7 @@ def open_page(options: argparse.Namespace) -> Page:
 def plotted_pairs(posed: OpenedScene, between: list[str]) -> PlottedPairs:
     """Return the pairs of sets such as ``left:right``; raises ArgumentError if there are none."""
     context = posed.context.copy()
-    query = QueryObject(context)
-    ids, reported = query.inspector().candidate_matrix()
-    wanted = np.zeros_like(reported)
-    sets = pair_sets(between)
-    for pairs in sets:
-        wanted |= selected_pairs(query, pairs).considered
-    declaration = CollisionFilterDeclaration()
-    for value, left_out in zip(ids.tolist(), reported & ~wanted, strict=True):
-        others = [GeometryId(other) for other in ids[left_out].tolist() if other > value]
-        if others:
-            declaration.ExcludeBetween(GeometrySet(GeometryId(value)), GeometrySet(others))
-    posed.scene_graph.collision_filter_manager(context).Apply(declaration)
-    return PlottedPairs(', '.join(pairs.name for pairs in sets), context)
+    return PlottedPairs(exclude_other_pairs(posed.scene_graph, context, between), context)
 
 
 def _timeline_of_recording(

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import AccuracyLike, GeometryError, GeometryId, QueryObject
 from drake_geom_ros.live.scene.pose_ages import time_of
-from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.scene_view import SceneView
-from drake_geom_ros.proximity_rules import named_zones, zones_in
+from drake_geom_ros.proximity_rules import geometry_names, named_zones, zones_in
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording

@@ -5,7 +5,7 @@ from __future__ import annotations
 from io import BytesIO
 
 from drake_geom_ros.geometry import GeometryId, QueryObject, Role
-from drake_geom_ros.live.scene.scene_rules import geometry_names
+from drake_geom_ros.proximity_rules import geometry_names
 from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import Moment
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs

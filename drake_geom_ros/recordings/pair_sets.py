@@ -13,8 +13,8 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED
 from drake_geom_ros.live.scene.bound_rules import hanging
-from drake_geom_ros.live.scene.scene_rules import geometry_names
-from drake_geom_ros.math.array_types import Flags
+from drake_geom_ros.math.array_types import Flags, Indices
+from drake_geom_ros.proximity_rules import geometry_names
 
 ALL = 'all'
 _BETWEEN = re.compile('(?<!:):(?!:)')  # a colon that is not one of `source::frame`
@@ -72,11 +72,8 @@ def selected_pairs(
     names = [geometry_names(inspector, geometry) for geometry in geometries]
     between = _between(pairs, names, may_lack=may_be_empty)
     selected = reported & between
-    if not (selected.any() or may_be_empty):
-        raise ArgumentError(
-            f'between {pairs.name}: the scene has no pair that queries report: all are filtered, '
-            'of one frame, or of two anchored geometries'
-        )
+    if not may_be_empty:
+        _check_any(pairs, selected)
     placed = np.array([query.is_placed(geometry) for geometry in geometries], dtype=np.bool_)
     both = placed[:, None] & placed[None, :]
     considered, waiting = selected & both, np.asarray((selected & ~both).any(axis=1))
@@ -94,6 +91,31 @@ def selected_pairs(
             f for f in query.waiting_frames() if waiting[on.get(f.get_value(), [])].any()
         ),
     )
+
+
+def reported_pairs(query: QueryObject, sets: Sequence[PairSet]) -> tuple[Indices, Flags]:
+    """Return the id values (n,) of a scene's geometries, and (n, n) their pairs of any set.
+
+    These are the unfiltered ones, whether or not their geometries have a pose. A set without any
+    raises ArgumentError.
+    """
+    inspector = query.inspector()
+    ids, reported = inspector.candidate_matrix()
+    names = [geometry_names(inspector, GeometryId(value)) for value in ids.tolist()]
+    of_any = np.zeros_like(reported)
+    for pairs in sets:
+        selected = reported & _between(pairs, names, may_lack=False)
+        _check_any(pairs, selected)
+        of_any |= selected
+    return ids, of_any
+
+
+def _check_any(pairs: PairSet, selected: Flags) -> None:
+    if not selected.any():
+        raise ArgumentError(
+            f'between {pairs.name}: the scene has no pair that queries report: all are filtered, '
+            'of one frame, or of two anchored geometries'
+        )
 
 
 def _between(pairs: PairSet, names: Sequence[GeometryNames], *, may_lack: bool) -> Flags:

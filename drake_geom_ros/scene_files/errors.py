@@ -22,6 +22,11 @@ class SceneFileError(GeometryError):
         self.key = key
 
 
+def unreadable(file: str, error: OSError) -> SceneFileError:
+    """Return the error for a file that the system does not let us read."""
+    return SceneFileError(f'cannot be read: {error.strerror}', file)
+
+
 @dataclass(frozen=True)
 class Location:
     """A place in a file, for errors about it."""

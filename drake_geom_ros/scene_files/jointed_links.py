@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.urdf_tree import parents_first, root_links
 
@@ -89,7 +90,7 @@ class JointedLinks:
                 [_KINDS.get(j.type, JointKind.FIXED) for j, _, _ in rows], dtype=np.int64
             ),
             axes=np.array([_unit_axis(j) for j, _, _ in rows], dtype=float).reshape(-1, 3),
-            X_PJs=np.array([j.X_PJ.ToArray() for j, _, _ in rows]).reshape(-1, 7),
+            X_PJs=_poses([j.X_PJ for j, _, _ in rows]),
             parents=np.array([parent for _, parent, _ in rows], dtype=np.int64),
             children=np.array([child for _, _, child in rows], dtype=np.int64),
         )
@@ -124,6 +125,13 @@ class JointedLinks:
             for row, link in enumerate(self.link_names)
             if all(self.joint_names[c] in configuration for c in np.flatnonzero(needs[row]))
         }
+
+
+def _poses(X_PJs: list[RigidTransform]) -> NDArray[np.float64]:
+    """Return poses (n, 7) as ``ToArray`` has them, of thousands at once."""
+    Rs = np.array([X_PJ.rotation().matrix() for X_PJ in X_PJs]).reshape(-1, 3, 3)
+    ps = np.array([X_PJ.translation() for X_PJ in X_PJs]).reshape(-1, 3)
+    return poses_from_matrices(Rs, ps)
 
 
 def _root(robot: LinkTree) -> str:
@@ -179,7 +187,8 @@ def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
     if twice := [name for name, count in names.items() if count > 1]:
         raise ValueError(f'{robot.name}: {twice[0]!r} is a joint, and a value of another one')
     singles = {part.name: part for part in parts}
-    return {part.name: _leader(part, by_name | singles) for part in singles.values()}
+    leaders = by_name | singles
+    return {part.name: _leader(part, leaders) for part in singles.values()}
 
 
 def _check_type(joint: UrdfJoint) -> None:

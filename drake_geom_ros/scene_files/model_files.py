@@ -50,7 +50,7 @@ def read_model(
     """
     data, file = read_robot_file(path, resolver.is_free)
     if root_tag(data) == 'mujoco':
-        return read_mjcf(path, data, resolver, options, source)
+        return read_mjcf(path, data, file, resolver, options, source)
     if root_tag(data) == 'sdf':
         return read_sdf(data, file, path.parent, resolver, options, source, model)[0][source]
     if model:

@@ -40,16 +40,16 @@ _ONE_AT_A_TIME = Lock()  # MuJoCo keeps its handler of warnings in a global
 def read_mjcf(
     path: Path | None,
     data: bytes,
+    file: str,
     resolver: ResourceResolver,
     options: RobotOptions,
     source: str = '',
 ) -> RobotParts:
-    """Return the parts of a model of MuJoCo from a file, or from its text if there is no file.
+    """Return the parts of a model of MuJoCo from a file, or from its text if there is no path.
 
     Raises SceneFileError if MuJoCo is not installed or refuses the model, for a resolver with
     allowed folders, since MuJoCo opens any file that the model names, and as ``parts_of_model``.
     """
-    file = '<text>' if path is None else str(path)
     if not resolver.is_free:
         reason = 'this is MJCF, which may open any file; it is read from files of your own only'
         raise SceneFileError(reason, file)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import groupby
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -215,9 +216,12 @@ class _Registration:
         for geometry in description.geometries:
             with _blame(geometry.where):
                 self._register_geometry(geometry)
-        for entry in description.filters:
-            with _blame(entry.where):
-                self._apply(entry)
+        for kind, entries in groupby(description.filters, type):
+            if kind is CliqueDescription:
+                self._add_cliques([e for e in entries if isinstance(e, CliqueDescription)])
+            else:
+                for entry in entries:
+                    self.apply(entry)
         touch_links: dict[FrameId, TouchLinks] = {}
         for frame in description.frames:  # last: no persistent filter follows a transient one
             if frame.touch_links:
@@ -382,6 +386,14 @@ class _Registration:
             manager.Deactivate(self._set(entry.members))
         else:
             manager.Apply(self._declaration(entry))
+
+    def _add_cliques(self, entries: Sequence[CliqueDescription]) -> None:
+        manager = self._scene_graph.collision_filter_manager(self._context)
+        try:
+            manager.AddCliques([(entry.name, self._set(entry.members)) for entry in entries])
+        except RuntimeError:  # one by one, for an error that names its place
+            for entry in entries:
+                self.apply(entry)
 
     def _declaration(self, entry: DeclarationDescription) -> CollisionFilterDeclaration:
         declaration = CollisionFilterDeclaration()

@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
 
-from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.errors import SceneFileError, unreadable
 
 _MACROS = re.compile(rb'<xacro:|\$[({]')
 _ONE_AT_A_TIME = Lock()  # xacro keeps its state in module globals
@@ -29,7 +29,7 @@ def read_robot_file(path: Path, expand: bool) -> tuple[bytes, str]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise SceneFileError(f'cannot be read: {error.strerror}', str(path)) from error
+        raise unreadable(str(path), error) from error
     if expand and _MACROS.search(data) and find_spec('xacro'):
         return _expanded(path), f'{path} (expanded)'
     return data, str(path)

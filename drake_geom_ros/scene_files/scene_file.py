@@ -15,7 +15,7 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
 )
 from drake_geom_ros.scene_files.directives import is_directives, read_directives
-from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.errors import SceneFileError, unreadable
 from drake_geom_ros.scene_files.gates import gates_left_out
 from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file, mesh_scene
 from drake_geom_ros.scene_files.model_files import robot_name
@@ -42,6 +42,7 @@ FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh', 'moveit')
 _XML_FORMATS = ('urdf', 'sdf', 'mjcf')
 _XML_SUFFIXES = ('.urdf', '.sdf', '.world')
 _NO_OPTIONS = RobotOptions()
+TEXT = '<text>'  # the name of a text in errors and warnings
 
 
 def read_scene(
@@ -51,6 +52,7 @@ def read_scene(
     package_roots: Roots = (),
     allowed_roots: Roots | None = None,
     options: RobotOptions = _NO_OPTIONS,
+    text_name: str = TEXT,
 ) -> SceneDescription:
     r"""Return the description of a scene file, without registering it.
 
@@ -69,6 +71,7 @@ def read_scene(
         allowed_roots: A folder or several outside of which no file may be opened.
         options: Options of a model (in YAML each robot has its own); adjacent links are filtered
             by default.
+        text_name: The name of a text in errors and warnings.
 
     Raises:
         SceneFileError: The file is invalid; the error names file, line and key.
@@ -79,13 +82,14 @@ def read_scene(
     """
     text = _as_text(path_or_text)
     resolver = ResourceResolver(package_roots, allowed_roots)
+    file = text_name if text else os.fspath(path_or_text)
     if format not in ('', *FORMATS):
-        raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
+        raise SceneFileError(f'format {format!r} must be one of {FORMATS}', file)
     if format == 'mesh' or (not text and not format and is_mesh_file(path_or_text)):
         if text or srdf:
-            raise SceneFileError('a mesh is a file, and has no SRDF', _file(path_or_text))
+            raise SceneFileError('a mesh is a file, and has no SRDF', file)
         return mesh_scene(Path(path_or_text), options)
-    data, file, folder = _content(path_or_text)
+    data, folder = _content(path_or_text)
     looks_like_xml = is_xml(data) or (not text and file.lower().endswith(_XML_SUFFIXES))
     if format in _XML_FORMATS or (not format and looks_like_xml):
         path = None if text else Path(file).absolute()
@@ -161,10 +165,12 @@ def _urdf_scene(
     filters, warnings = parts.filters, parts.warnings
     srdf_path, groups, virtual = None, dict[str, tuple[str, ...]](), dict[str, str]()
     if srdf:
-        srdf_data, srdf_file, _ = _content(srdf)
-        if not _as_text(srdf):
-            srdf_path = Path(srdf_file).absolute()
-            srdf_data, srdf_file = read_robot_file(Path(srdf_file), resolver.is_free)
+        srdf_file = TEXT
+        if _as_text(srdf):
+            srdf_data, _ = _content(srdf)
+        else:
+            srdf_path = Path(srdf).absolute()
+            srdf_data, srdf_file = read_robot_file(Path(srdf), resolver.is_free)
         semantics = read_srdf(srdf_data, srdf_file, name, robot, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
         groups = link_groups(srdf_data, srdf_file, parts.tree)
@@ -202,7 +208,7 @@ def _models_scene(
     models: Mapping[str, RobotParts]
     welds: list[Weld] = []
     if root_tag(data) == 'mujoco':
-        parts = read_mjcf(path, data, resolver, options)
+        parts = read_mjcf(path, data, file, resolver, options)
         models = {parts.tree.name: parts}
     else:
         models, welds = read_sdf(data, file, folder, resolver, options)
@@ -229,21 +235,16 @@ def _as_text(path_or_text: PathLike) -> str:
     return path_or_text if is_text else ''
 
 
-def _file(path_or_text: PathLike) -> str:
-    return '<text>' if _as_text(path_or_text) else os.fspath(path_or_text)
-
-
-def _content(path_or_text: PathLike) -> tuple[bytes, str, Path]:
-    """Return content, name and folder of a file or a text."""
-    text, file = _as_text(path_or_text), _file(path_or_text)
-    if text:
-        return text.encode(errors='surrogatepass'), file, Path.cwd()
-    path = Path(file)
+def _content(path_or_text: PathLike) -> tuple[bytes, Path]:
+    """Return content and folder of a file or a text."""
+    if text := _as_text(path_or_text):
+        return text.encode(errors='surrogatepass'), Path.cwd()
+    path = Path(path_or_text)
     try:
         with path.open('rb') as stream:
             data = stream.read(MAX_BYTES + 1)
     except OSError as error:
-        raise SceneFileError(f'cannot be read: {error.strerror}', file) from error
+        raise unreadable(str(path_or_text), error) from error
     if len(data) > MAX_BYTES:
-        raise SceneFileError(f'more than {MAX_BYTES} bytes', file)
-    return data, file, path.absolute().parent
+        raise SceneFileError(f'more than {MAX_BYTES} bytes', str(path_or_text))
+    return data, path.absolute().parent

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from drake_geom_ros.common.frame_names import full_name
-from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.common.geometry_names import matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry import (
     Role,
     SceneGraphInspector,
 )
+from drake_geom_ros.proximity_rules import geometry_names
 from drake_geom_ros.scene_files.description import RobotDescription
 
 
@@ -53,8 +54,9 @@ def touched_geometries(
     """
     if not patterns:
         return ()  # it takes a look at each geometry to find what names stand for
+    # Without carriers: a part in the hand that may be touched is another part, which may not.
     named = {
-        geometry: _names(inspector, geometry).found_by
+        geometry: geometry_names(inspector, geometry)._replace(carriers=()).found_by
         for geometry in inspector.GetAllGeometryIds(Role.kProximity)
     }
     touched = set[GeometryId]()
@@ -74,7 +76,7 @@ def full_names(
     inspector: SceneGraphInspector, geometries: Iterable[GeometryId]
 ) -> tuple[str, ...]:
     """Return the names ``source::frame/geometry`` of geometries, sorted."""
-    return tuple(sorted(_names(inspector, geometry).full_name for geometry in geometries))
+    return tuple(sorted(geometry_names(inspector, geometry).full_name for geometry in geometries))
 
 
 def carried_frames(inspector: SceneGraphInspector, frame: FrameId) -> list[FrameId]:
@@ -84,16 +86,6 @@ def carried_frames(inspector: SceneGraphInspector, frame: FrameId) -> list[Frame
         if each != inspector.world_frame_id() and inspector.GetParentFrame(each) in carried:
             carried.add(each)
     return sorted(carried)
-
-
-def _names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
-    frame = inspector.GetFrameId(geometry)
-    return GeometryNames(
-        inspector.GetOwningSourceName(geometry),
-        inspector.GetName(frame),
-        inspector.GetName(geometry),
-        frame == inspector.world_frame_id(),
-    )
 
 
 def _matches_frame(inspector: SceneGraphInspector, pattern: str) -> bool:

@@ -126,25 +126,26 @@ def _unknown(element: Any, file: str) -> Iterator[tuple[str, str]]:
     """Yield the kind of each part that is not understood, and the warning about it."""
     name = local_name(element)
     vocabulary = _KNOWN[name]
-    place = place_of(element, file)
     for attribute, value in element.attrib.items():
         plain = etree.QName(attribute).localname
         has_no_namespace = attribute == plain
         if '${' in value or '$(' in value:
-            raise place.error(f'{plain} = {value[:_SHOWN]!r} is xacro: {XACRO_FIRST}')
+            raise place_of(element, file).error(
+                f'{plain} = {value[:_SHOWN]!r} is xacro: {XACRO_FIRST}'
+            )
         if has_no_namespace and plain in vocabulary.attributes:
             continue
-        _refuse_other_case(plain, vocabulary.attributes, place)
+        _refuse_other_case(plain, vocabulary.attributes, element, file)
         if name in _MAY_HOLD_ANYTHING:
             continue
         allowed = ', '.join(sorted(vocabulary.attributes)) or 'none'
         what = f'the attribute `{plain}` of <{name}> is not understood; known: {allowed}'
         if name in _REFUSED_IN:
-            raise place.error(what)
-        yield what, str(place.error(f'{what}. It is left out'))
+            raise place_of(element, file).error(what)
+        yield what, str(place_of(element, file).error(f'{what}. It is left out'))
     if name == 'robot' and element.get('version', '1.0').strip() not in _VERSIONS:
         what = f'version {element.get("version")[:_SHOWN]!r}; known are {", ".join(_VERSIONS)}'
-        yield what, str(place.error(f'{what}. It is read as one of these'))
+        yield what, str(place_of(element, file).error(f'{what}. It is read as one of these'))
     seen: set[str] = set()
     for child in element:
         yield from _unknown_child(child, name, vocabulary, seen, file)
@@ -153,24 +154,24 @@ def _unknown(element: Any, file: str) -> Iterator[tuple[str, str]]:
 def _unknown_child(
     child: Any, parent: str, vocabulary: _KnownElement, seen: set[str], file: str
 ) -> Iterator[tuple[str, str]]:
-    name, place = local_name(child), place_of(child, file)
+    name = local_name(child)
     if 'xacro' in (child.prefix or '') or 'xacro' in (etree.QName(child).namespace or ''):
-        raise place.error(f'<{child.prefix}:{name}> is xacro: {XACRO_FIRST}')
+        raise place_of(child, file).error(f'<{child.prefix}:{name}> is xacro: {XACRO_FIRST}')
     if name in vocabulary.once and name in seen:
-        raise place.error(f'a second <{name}> in one <{parent}>; one is allowed')
+        raise place_of(child, file).error(f'a second <{name}> in one <{parent}>; one is allowed')
     seen.add(name)
     is_plain = not child.prefix or name in _OF_ANY_NAMESPACE
     if is_plain and name in vocabulary.elements:
         if name not in _READ_ELSEWHERE:
             yield from _unknown(child, file)
     elif name not in vocabulary.without_effect:
-        _refuse_other_case(name, vocabulary.elements, place)
+        _refuse_other_case(name, vocabulary.elements, child, file)
         shown = f'{child.prefix}:{name}' if child.prefix else name
         what = f'<{shown}> in <{parent}> is not understood'
-        yield what, str(place.error(f'{what}. It is left out'))
+        yield what, str(place_of(child, file).error(f'{what}. It is left out'))
 
 
-def _refuse_other_case(name: str, names: frozenset[str], place: Any) -> None:
+def _refuse_other_case(name: str, names: frozenset[str], element: Any, file: str) -> None:
     """Refuse a name of the vocabulary in the wrong case, which every URDF reader would skip."""
     if name not in names and name.lower() in names:
-        raise place.error(f'`{name}` must be written `{name.lower()}`')
+        raise place_of(element, file).error(f'`{name}` must be written `{name.lower()}`')

@@ -186,7 +186,7 @@ def _leave_default_namespace(root: Any) -> None:
 
 def local_name(element: Any) -> str:
     """Return an element's name without namespace: ``capsule`` for ``drake:capsule``."""
-    return str(etree.QName(element).localname)
+    return str(element.tag).rpartition('}')[2]
 
 
 def place_of(element: Any, file: str) -> Location:

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.scene_files import urdf_filters
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
-from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.errors import SceneFileError, unreadable
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml, text_of
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
@@ -163,8 +163,8 @@ def _read(path: str | Path | None) -> Document | dict[str, TimedPoses]:
         if path.suffix == '.csv':
             return read_timed_poses(path)
         return read_yaml(text_of(path.read_bytes(), str(path)), str(path))
-    except (OSError, ValueError) as error:
-        raise SceneFileError(str(error), str(path)) from error
+    except OSError as error:
+        raise unreadable(str(path), error) from error
 
 
 def _rest(kinematics: Kinematics, configuration: Mapping[str, float]) -> MonotoneCubic:

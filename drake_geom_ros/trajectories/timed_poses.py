@@ -1,12 +1,15 @@
 """Poses of free frames over time, from a table of timed poses."""
 
 import csv
+import io
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.math.batched import slerp
+from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.scene_files.yaml_text import text_of
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
 
@@ -64,24 +67,24 @@ def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:
     """Return the frames of a CSV file with the columns ``time,frame,x,y,z,qx,qy,qz,qw``.
 
     Frames are named ``source::frame``; rows of one frame must be in the order of their times.
-    Raises ValueError with file and line for invalid content.
+    Raises SceneFileError with file and line for invalid content.
     """
     rows: dict[str, list[list[float]]] = {}
-    with open(path, newline='', encoding='utf-8-sig') as file:
-        reader = csv.DictReader(file)
-        if tuple(reader.fieldnames or ()) != COLUMNS:
-            raise ValueError(f'{path}:1: columns must be {",".join(COLUMNS)}')
-        for row in reader:
-            try:
-                numbers = [float(row[c]) for c in COLUMNS if c != 'frame']
-            except (TypeError, ValueError) as error:
-                raise ValueError(f'{path}:{reader.line_num}: {error}') from None
-            rows.setdefault(row['frame'], []).append(numbers)
+    file = str(path)
+    reader = csv.DictReader(io.StringIO(text_of(Path(path).read_bytes(), file), newline=''))
+    if tuple(reader.fieldnames or ()) != COLUMNS:
+        raise SceneFileError(f'columns must be {",".join(COLUMNS)}', file, 1)
+    for row in reader:
+        try:
+            numbers = [float(row[c]) for c in COLUMNS if c != 'frame']
+        except (TypeError, ValueError) as error:
+            raise SceneFileError(str(error), file, reader.line_num) from None
+        rows.setdefault(row['frame'], []).append(numbers)
     frames = {}
     for name, lines in rows.items():
         table = np.array(lines)
         try:
             frames[name] = TimedPoses(table[:, 0], table[:, 1:])
         except (ValueError, RuntimeError) as error:
-            raise ValueError(f'{path}: frame {name!r}: {error}') from error
+            raise SceneFileError(f'frame {name!r}: {error}', file) from error
     return frames

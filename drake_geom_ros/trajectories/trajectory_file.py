@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.math.array_types import Floats
-from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.errors import SceneFileError, unreadable
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
 from drake_geom_ros.scene_files.yaml_text import Document, read_yaml, text_of
 from drake_geom_ros.trajectories.joint_spline import JointTrajectory
@@ -39,7 +39,9 @@ def read_trajectory(path: str | Path) -> NamedTrajectory:
     """
     try:
         document = read_yaml(text_of(Path(path).read_bytes(), str(path)), str(path))
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise unreadable(str(path), error) from error
+    except ValueError as error:
         raise SceneFileError(str(error), str(path)) from error
     check_schema(document, read_schema('drake_geom_ros.trajectories', 'trajectory.schema.json'))
     names, points = document.value['joint_names'], document.value['points']

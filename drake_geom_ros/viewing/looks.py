@@ -81,8 +81,28 @@ def looks_of(inspector: SceneGraphInspector) -> list[Look]:
             is_solid(inspector, geometry, role),
         )
         for role in LAYERS
-        for geometry in inspector.GetAllGeometryIds(role)
+        for geometry in drawn_geometries(inspector, role)
     ]
+
+
+def drawn_geometries(inspector: SceneGraphInspector, role: Role) -> list[GeometryId]:
+    """Return the geometries of a role that pictures show."""
+    return [
+        geometry
+        for geometry in inspector.GetAllGeometryIds(role)
+        if is_drawn(inspector.GetProperties(geometry, role))
+    ]
+
+
+def is_drawn(properties: GeometryProperties | None) -> bool:
+    """Return whether pictures show a geometry with these properties of a role.
+
+    They do unless its property ('renderer', 'accepting') is the empty name, which no renderer
+    has. A set of no names is for every renderer.
+    """
+    if properties is None or not properties.HasProperty('renderer', 'accepting'):
+        return True
+    return properties.GetProperty('renderer', 'accepting') not in ('', {''})
 
 
 def geometry_name(inspector: SceneGraphInspector, geometry: GeometryId) -> str:

@@ -37,7 +37,7 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.looks import colour_of, is_solid
+from drake_geom_ros.viewing.looks import colour_of, drawn_geometries, is_solid
 from drake_geom_ros.viewing.overlays import with_pairs, with_patches
 from drake_geom_ros.viewing.patches import Patches
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
@@ -108,7 +108,7 @@ def looking(from_W: Sequence[float], at_W: Sequence[float]) -> RigidTransform:
 def camera_for(query: QueryObject, role: Role, size: tuple[int, int], fov_y: float) -> Camera:
     """Return a camera that sees all geometry of a role, half spaces ignored."""
     corners = [np.zeros((0, 3))]
-    for id in query.inspector().GetAllGeometryIds(role):
+    for id in drawn_geometries(query.inspector(), role):
         if (box := query.ComputeObbInWorld(id)) is not None:
             signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
             own = signs * box.half_width()
@@ -168,7 +168,7 @@ def _groups(
 ) -> Iterator[tuple[list[GeometryId], float]]:
     """Yield geometries that are drawn together, and their opacity; half spaces first."""
     inspector = query.inspector()
-    every = inspector.GetAllGeometryIds(role)
+    every = drawn_geometries(inspector, role)
     if cover >= _OPAQUE:
         yield every, 1.0
         return

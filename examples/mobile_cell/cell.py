@@ -15,7 +15,9 @@ a fault for as long as a pose may be old, its rule must be entered, whatever is 
 
 import argparse
 import math
+import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace as Plain
@@ -23,6 +25,7 @@ from types import SimpleNamespace as Plain
 import numpy as np
 from world import DRIVE, ROLL, WALK, Clock, RobotScene, World, header
 
+from drake_geom_ros.common.progress_bar import progress_bar
 from drake_geom_ros.live.conversions.tracked_objects import TrackedObjectsReader
 from drake_geom_ros.live.gates import decide_gate
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
@@ -135,6 +138,10 @@ def tracked_message(now, bodies):
     )  # fmt: skip
 
 
+def ignore(decisions):
+    """Show no progress."""
+
+
 class Run:
     """One run of the simulation with a referee.
 
@@ -183,8 +190,11 @@ class Run:
         for _, name, message in due:
             self.cell.hear(name, message)
 
-    def go(self, seconds, fault_at=math.inf):
-        """Simulate some time; from ``fault_at`` [s] on a sensor has its fault."""
+    def go(self, seconds, fault_at=math.inf, progress=ignore):
+        """Simulate some time; from ``fault_at`` [s] on a sensor has its fault.
+
+        ``progress`` is called with the number of decisions after each one.
+        """
         begin, share = self.clock.now, 0.0
         self.fault_since = begin + fault_at
         while self.clock.now - begin < seconds - 0.5 * STEP:
@@ -203,6 +213,7 @@ class Run:
             self.gone += self.world.share * STEP
             self.whys.append(entered)
             self._judge(entered)
+            progress(self.steps)
         return self
 
     def _judge(self, entered):
@@ -247,7 +258,7 @@ def draw(run, file):
         axis.fill_between(times, 0.0, 3.0, where=entered, alpha=0.2, step='post', label='stop')
         axis.axhline(limit, linestyle='--', color='grey', label='limit of the rule')
         axis.set(ylim=(0.0, 3.0), ylabel='[m]')
-        axis.legend(loc='upper right')
+        axis.legend(loc='lower center', bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False)
     axes[-1].set_xlabel('simulated time [s]')
     figure.savefig(file, dpi=110)
 
@@ -263,7 +274,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     fault_at = 0.5 * options.seconds if options.fault else math.inf
     if options.picture:
         options.picture.parent.mkdir(parents=True, exist_ok=True)
-    run = Run(options.fault, options.seed).go(options.seconds, fault_at)
+    run = Run(options.fault, options.seed)
+    steps, silent = round(options.seconds / STEP), nullcontext(ignore)
+    with progress_bar('decisions', steps) if sys.stderr.isatty() else silent as show:
+        run.go(options.seconds, fault_at, show)
     print(f'{run.steps} decisions in {options.seconds:g} s, stopped in {run.stopped}')
     print(f'motion {run.gone / options.seconds:.0%}; touched while moving: {len(run.touched)}')
     print(f'a body was nearer than its limit in {run.true_stops}; late: {len(run.late)}')

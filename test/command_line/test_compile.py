@@ -50,6 +50,7 @@ def scene_context():
     return SceneGraph().CreateDefaultContext()
 
 
+@pytest.mark.packaging
 @pytest.mark.processes
 def test_ros2_run_finds_the_programs_that_are_no_console_scripts(tmp_path):
     command = [sys.executable, 'setup.py', '-q', 'egg_info', '-e', str(tmp_path)]

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from io import BytesIO
 from types import SimpleNamespace
 
 import pytest
@@ -14,6 +15,7 @@ from drake_geom_ros.command_line import query
 from drake_geom_ros.command_line.program import COMMANDS, main
 
 SCENE = str(ROOT / 'scenes/minimal.yaml')
+ARMS = str(ROOT / 'scenes/two_pandas.yaml')
 
 
 def start(*arguments):
@@ -139,7 +141,26 @@ def test_wrong_usage_is_exit_code_2(capsys, arguments):
 @pytest.mark.parametrize(
     ('arguments', 'words'),
     [
+        (['check-motion', ARMS, '--trajectory', '/'], '/: cannot be read: Is a directory'),
+        (
+            ['check-motion', ARMS, '--motion', '/no'],
+            '/no: cannot be read: No such file or directory',
+        ),
+    ],
+)
+def test_what_cannot_be_read_is_named_once(capsys, arguments, words):
+    assert main(arguments) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == f'drake_geom_ros: {words}'
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
         (['qery'], "there is no command 'qery'; nearest: 'query'"),
+        (['query', ''], 'argument: an empty text; was a variable of the shell not set?'),
+        (['query', SCENE, '--poses', ''], '--poses: an empty text'),
+        (['query', SCENE, '--poses='], '--poses: an empty text'),
+        (['--vresion'], "there is no option --vresion; nearest: '--version'"),
         (['query', SCENE, '--max-distanse', '1'], "--max-distanse; nearest: '--max-distance'"),
         (['query', SCENE, '--max-distance', '0.5m'], "'0.5m' has a unit; write a number alone"),
         (['query', SCENE, '--max-distance', 'far'], "'far' is no number"),
@@ -169,6 +190,23 @@ def test_a_scene_may_come_from_the_standard_input(monkeypatch, capsys):
         monkeypatch.setattr('sys.stdin', SimpleNamespace(buffer=file))
         assert main(['query', '-']) == 0
     assert capsys.readouterr().out == expected
+
+
+@pytest.mark.parametrize(
+    ('command', 'text', 'place'),
+    [
+        (['check', '-'], 'sources: [s]\nframes: 1\n', ':2: frames: '),
+        (['check', '-'], '\xff', ':1: '),
+        (['check', '-'], '<robot/>', ':1: missing attribute `name`'),
+        (['query', SCENE, '--poses', '-'], 'time,frame\n', ':1: '),
+        (['query', SCENE, '--poses', '-'], '[]', ': there is no moment in it'),
+        (['query', SCENE, '--what', 'points', '--points', '-'], 'x,y,z\n', ': there is no point'),
+    ],
+)
+def test_errors_name_the_standard_input(monkeypatch, capsys, command, text, place):
+    monkeypatch.setattr('sys.stdin', SimpleNamespace(buffer=BytesIO(text.encode('latin-1'))))
+    assert main(command) != 0
+    assert f'standard input{place}' in capsys.readouterr().err
 
 
 def test_the_standard_input_is_one_file(capsys):

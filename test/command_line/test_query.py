@@ -154,3 +154,40 @@ def test_a_question_about_nothing_is_no_answer(capsys, tmp_path, name, text, opt
     output, errors = capsys.readouterr()
     assert output == ''
     assert why in errors
+
+
+def test_between_asks_about_pairs_of_two_sets_alone(capsys, poses):
+    timed = ask(capsys, '--poses', poses, '--between', 'ball:floor').splitlines()
+    found = [(r['time'], r['geometry_a'], r['geometry_b']) for r in csv.DictReader(timed)]
+    pair = ('scene::world/floor', 'scene::ball/ball')
+    assert found == [('0.0', *pair), ('0.1', *pair)]
+    both = ask(capsys, '--between', 'ball:floor', '--between', 'ball:post').splitlines()
+    assert {r['geometry_a'] for r in csv.DictReader(both)} == {pair[0], 'scene::world/post'}
+
+
+def test_between_keeps_the_pairs_of_frames_that_are_posed_later(capsys, tmp_path, poses):
+    scene = tmp_path / 'scene.yaml'
+    scene.write_text(
+        'frames: [{name: ball}, {name: wall, pose: {position: [1, 0, 0]}}]\n'
+        'geometries:\n'
+        '- {name: ball, frame: ball, shape: {type: sphere, radius: 0.1}}\n'
+        '- {name: wall, frame: wall, shape: {type: box, size: [0.2, 1, 1]}}\n'
+        '- {name: floor, shape: {type: half_space}}\n'
+    )
+    assert main(['query', str(scene), '--poses', poses, '--between', 'ball:wall']) == 0
+    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
+    assert [float(r['distance']) for r in rows] == [pytest.approx(0.3)] * 2
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'said'),
+    [
+        (['--between', 'ball:nothing'], "'nothing' stands for no geometry"),
+        (['--between', 'floor:post'], 'no pair that queries report'),
+        (['--between', 'ball'], 'must be two names or patterns, as left:right'),
+        (['--between', 'ball:floor', '--what', 'points', '--points', '-'], '--what points'),
+    ],
+)
+def test_between_that_leaves_no_pair_is_refused(capsys, arguments, said):
+    assert main(['query', SCENE, *arguments]) == 2
+    assert said in capsys.readouterr().err

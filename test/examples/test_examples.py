@@ -120,6 +120,7 @@ def test_a_path_is_optimised_until_it_is_proved():
     assert check.startswith('check_path: clear')
 
 
+@pytest.mark.everything
 @pytest.mark.skipif(not importlib.util.find_spec('pydrake'), reason='pydrake is not installed')
 @pytest.mark.parametrize('name', EXPECTED)
 def test_pydrake_says_the_same(tmp_path, name):

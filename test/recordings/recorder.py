@@ -1,5 +1,6 @@
 """Recordings made by rosbags' own writer."""
 
+from array import array
 from functools import cache
 from pathlib import Path
 
@@ -96,6 +97,7 @@ class _Kinds:
     def __getattr__(self, name):
         def make(**values):
             message = empty(f'drake_geom_msgs/msg/{name}')
+            _take_floats(message)
             for field, value in values.items():
                 setattr(message, field, value)
             return message
@@ -113,10 +115,27 @@ def scene_of(graph):
     """Return the ``~/scene`` of a node that holds a scene."""
     message = _Kinds().Scene()
     fill_scene(message, graph.model_inspector(), _Kinds())
-    for geometry in message.geometries:
-        for name in ('dimensions', 'vertices'):
-            setattr(geometry.shape, name, np.array(getattr(geometry.shape, name)))
+    _as_recorded(message)
     return message
+
+
+def _take_floats(message):
+    """Let the floats of a message be filled where they are, as in messages of ROS."""
+    for name, value in vars(message).items():
+        if isinstance(value, np.ndarray) and value.dtype == np.float64:
+            setattr(message, name, array('d', value))
+        elif hasattr(value, '__msgtype__'):
+            _take_floats(value)
+
+
+def _as_recorded(message):
+    """Replace the arrays of a message, and of those in it, by NumPy's."""
+    for name, value in vars(message).items():
+        if isinstance(value, array) or name == 'double_array_value':
+            setattr(message, name, np.array(value))
+        for each in value if isinstance(value, list) else [value]:
+            if hasattr(each, '__msgtype__'):
+                _as_recorded(each)
 
 
 def clock(seconds):
@@ -141,6 +160,7 @@ def record(folder, messages, *, sqlite=False, compressed='', silent=()):
             writer.add_connection(topic, kind, typestore=store())
         for seconds, topic, message in messages:
             kind = message.__msgtype__
+            _as_recorded(message)
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, kind, typestore=store())
             raw = store().serialize_cdr(message, kind)

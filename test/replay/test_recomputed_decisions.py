@@ -160,6 +160,12 @@ def test_what_is_no_recording_is_refused(tmp_path, text, told):
         read_events(path)
 
 
+def test_what_is_not_text_is_no_recording(tmp_path):
+    (tmp_path / 'events.yaml').write_bytes(b'a: 1\n\x89PNG')
+    with pytest.raises(SceneFileError, match=r'events\.yaml:2: byte 0x89 is not UTF-8'):
+        read_events(tmp_path / 'events.yaml')
+
+
 def test_a_scene_without_the_pair_is_another_one(recording, tmp_path):
     scene = tmp_path / 'scene.yaml'
     scene.write_text('name: other\n')

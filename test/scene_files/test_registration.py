@@ -158,11 +158,16 @@ def test_persistent_filters_are_refused_during_a_transient_history_as_a_whole():
     both = GeometrySet([loaded.geometries[ROD], loaded.geometries[PALM]])
     manager.ApplyTransient(CollisionFilterDeclaration().ExcludeWithin(both))
     before = to_yaml(describe(scene_graph))
-    text = 'frames:\n- {name: f}\nfilters:\n- exclude_within: [f]'
-    with pytest.raises(SceneFileError) as caught:
-        load(text, scene_graph)
-    assert str(caught.value).startswith('a.yaml:4: filters[0].exclude_within: Apply: ')
-    assert to_yaml(describe(scene_graph)) == before
+    frame = 'frames:\n- {name: f}\nfilters:\n'
+    cliques = '- clique: {name: c, members: [f]}\n- clique: {name: d, members: [f]}'
+    for text, message in (
+        ('- exclude_within: [f]', 'a.yaml:4: filters[0].exclude_within: Apply: '),
+        (cliques, 'a.yaml:4: filters[0].clique: AddClique: '),
+    ):
+        with pytest.raises(SceneFileError) as caught:
+            load(frame + text, scene_graph)
+        assert str(caught.value).startswith(message)
+        assert to_yaml(describe(scene_graph)) == before
     load('frames:\n- {name: f}', scene_graph)
 
 

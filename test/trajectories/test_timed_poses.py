@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.math.batched import slerp
+from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.timed_poses import COLUMNS, TimedPoses, read_timed_poses
 
 
@@ -84,5 +85,12 @@ def test_csv_holds_many_frames(tmp_path):
     ],
 )
 def test_bad_csv_is_refused_with_its_line(tmp_path, rows, reason):
-    with pytest.raises(ValueError, match=reason):
+    with pytest.raises(SceneFileError, match=reason) as error:
         read_timed_poses(_csv(tmp_path, *rows))
+    assert str(error.value).count('poses.csv') == 1
+
+
+def test_what_is_not_text_is_refused_with_its_line(tmp_path):
+    (tmp_path / 'poses.csv').write_bytes(','.join(COLUMNS).encode() + b'\n0,caf\xe9')
+    with pytest.raises(SceneFileError, match=r'poses\.csv:2: byte 0xe9 is not UTF-8'):
+        read_timed_poses(tmp_path / 'poses.csv')

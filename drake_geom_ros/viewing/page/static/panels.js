@@ -115,7 +115,7 @@ function showRules() {
   },
   element('td', {}, swatch(rule.entered ? rgb(rule.colour) : 'var(--line)'), rule.name), element('td', {}, rule.level),
   element('td', {}, rule.entered ? element('strong', {}, `entered: ${rule.said}`) : rule.said || 'not entered'),
-  element('td', {className: 'number'}, rule.distance === null ? `none within ${state.options?.max_distance ?? 0} m` : millimetres(rule.distance)));
+  element('td', {className: 'number'}, rule.distance === null ? 'no shown pair' : millimetres(rule.distance)));
   rulesTab.replaceChildren(
     ...titled('Proximity rules', rules.length ? table(['rule', 'level', 'state', 'nearest'], rules.map(ruleRow)) : hint('This scene has no rules.')),
     ...titled('Filters of this page', filters.length
@@ -166,13 +166,25 @@ on('values', ({joints, frame}) => {
 const liveTab = element('div');
 /** Return a text with the short names of the bodies that it names, parted by bars. */
 const shortened = text => text.split(' | ').map(part => shortByName[part] ?? part).join(' | ');
+/** Return the class of a cell: names and topics may be broken anywhere, numbers and their units nowhere. */
+const kindOf = cell => /::|^\S+\/\S+$/.test(cell) ? 'name' : /^-?[\d.]+( \S+)?$/.test(cell) ? 'amount' : '';
+/** Return a table whose rows name their pair, if any, in a line of its own below the cells. */
+function liveTable(columns, rows) {
+  const last = columns.indexOf('pair');
+  const others = list => list.filter((_, column) => column !== last);
+  return table(others(columns), rows.flatMap(([cells, warns, pair]) => {
+    const attributes = () => ({className: `${warns ? 'warns' : ''} ${pair ? 'link' : ''}`, onclick: () => pair && visit(pair)});
+    const row = element('tr', attributes(), others(cells).map(cell => element('td', {className: kindOf(cell)}, shortened(cell))));
+    if (!cells[last]) return [row];
+    row.classList.add('above');
+    return [row, element('tr', attributes(), element('td', {className: 'name', colSpan: columns.length - 1}, shortened(cells[last])))];
+  }));
+}
 function showLive() {
   const sensors = state.sensors ?? {rows: [], kinds: [], colours: []}, options = state.options;
   const parts = [];
   for (const {title, columns, rows, empty} of state.tables ?? []) {
-    parts.push(...titled(title, rows.length ? table(columns, rows.map(([cells, warns, pair]) => element('tr', {
-      className: `${warns ? 'warns' : ''} ${pair ? 'link' : ''}`, onclick: () => pair && visit(pair),
-    }, cells.map(cell => element('td', {className: cell.includes('::') ? 'name' : ''}, shortened(cell)))))) : hint(empty)));
+    parts.push(...titled(title, rows.length ? liveTable(columns, rows) : hint(empty)));
   }
   if (sensors.rows.length && options) {
     const hidden = source => options.hidden.includes(`sensor ${source}`);
