@@ -47,7 +47,7 @@ make_other_venv() {
   local uv=$venv/bin/uv
   [[ -x $uv ]] || "$venv/bin/python" -m pip install -c "$root/requirements/lock.txt" uv
   rm -rf "$other_venv"
-  "$other_python" -m venv "$other_venv"
+  "$other_python" -m venv --without-pip "$other_venv" # uv installs
   "$uv" pip install --python "$other_venv/bin/python" $(index_of_pip) \
     --resolution "$other_versions" -e "$root[test]"
   [[ $other_versions != highest ]] || # whose names are compared with the record

@@ -99,15 +99,9 @@ set_up() {
     stamped "$prefix/.stamp" "$messages_key" || check_system
     step venv "$venv/.stamp" "$venv_key" make_venv
     step tools "$venv/.stamp-tools" "$packages_key" install_tools
-    # Beside the messages, in a process group of its own, which ends with this shell.
-    set -m
-    packages_and_kernels 9<&- &
-    set +m
-    local beside=$! owner=$BASHPID
-    # A heartbeat that is ended as soon as it is forked runs the trap of the shell it came from.
-    trap '((BASHPID != owner)) || kill -- "-$beside" 2>/dev/null || true' EXIT
+    beside packages_and_kernels
     step messages "$prefix/.stamp" "$messages_key" build_messages
-    wait "$beside"
+    wait "${groups[0]}"
   ) 9<"$root/run"
   trap - INT
 }

@@ -67,11 +67,18 @@ PROXIMITY_ROOMS = {
         ),
         ('numpy',),
     ),
+    'geometry/_stops': (
+        (*_POINTS, 'geometry/_proximity/motion', 'geometry/_stops'),
+        ('numpy',),
+    ),
     'geometry/_rendering': ((*_GROUND, 'geometry/_rendering'), ('numpy', 'numba')),
 }
 
 # Compiled by those who ask.
-_APART = ('geometry/_rendering', 'geometry/_contact_surfaces', 'geometry/_joint_gradients')
+_APART = (
+    *('geometry/_rendering', 'geometry/_contact_surfaces', 'geometry/_joint_gradients'),
+    'geometry/_stops',
+)
 _ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room not in _APART)
 _MESHES = ('math', 'common', 'geometry', 'geometry/meshes')
 _PUBLIC_SHAPES = (*_MESHES, 'geometry/shapes')
@@ -99,7 +106,10 @@ GEOMETRY_ROOMS = {
         ('numpy', 'vtkmodules'),
     ),
     'geometry/queries': (
-        (*_QUERIES, *_ANSWERING, 'geometry/_contact_surfaces', 'geometry/_joint_gradients'),
+        (
+            *(*_QUERIES, *_ANSWERING, 'geometry/_contact_surfaces', 'geometry/_joint_gradients'),
+            'geometry/_stops',
+        ),
         ('numpy',),
     ),
     'geometry/scene': ((*_SCENE, *_ANSWERING), ('numpy',)),
@@ -283,6 +293,7 @@ LAYERS = {
 EXCEPTIONS = {
     'geometry/meshes/_library.py': 'trimesh',
     'geometry/meshes/_by_trimesh.py': 'trimesh',
+    'geometry/meshes/_coarse_hulls.py': 'scipy',  # the hulls of a few vertices, by Qhull
     'geometry/meshes/_vtk_file.py': 'meshio',
     'geometry/visualizer/drake_visualizer.py': 'lcm',
     'scene_files/sdf_heightmaps.py': 'PIL',

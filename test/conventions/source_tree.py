@@ -1,6 +1,7 @@
 """The repository as the convention tests see it: its folders, files and imports."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,6 +25,7 @@ def module_of(path):
     return '.'.join(parts[:-1] if parts[-1] == '__init__' else parts)
 
 
+@cache  # seven rules ask for those of every file
 def imports_of(source):
     """Return the dotted names that a source imports, wherever in it, in order.
 
@@ -36,4 +38,4 @@ def imports_of(source):
         elif isinstance(node, ast.ImportFrom):
             start = '.' * node.level + (node.module or '')
             names += [f'{start}.{alias.name}' for alias in node.names]
-    return names
+    return tuple(names)

@@ -8,6 +8,7 @@ MOST = 8
 DECORATORS = {'compiled', 'inlined', 'allocating', 'made', 'view'}
 _CELLS = 'of the inner loop over neighbours: to hand ``Boxes`` on takes as long as the look'
 _EPA = 'EPA grows in arrays one by one: as a record they made it take an eighth longer'
+_HULLS = 'called in the loop of ``answer_pairs``, with what that has at hand'
 _RAYS = 'of the inner loop over pixels, in numbers'
 # By file and name: why more.
 MORE = {
@@ -16,6 +17,8 @@ MORE = {
     '_proximity/kernels/cores/remembered.py grown': _EPA,
     '_proximity/near/grid_pairs.py _among': _CELLS,
     '_proximity/near/grid_pairs.py _look': _CELLS,
+    '_proximity/pairs/coarse_hulls.py by_coarse_hulls': _HULLS,
+    '_proximity/pairs/coarse_hulls.py hit_or_call': _HULLS,
     '_proximity/pairs/narrow_phase.py answer_pairs': (
         'called for each pair of many states: a record made before the loop over pairs made it '
         'take half as long again'

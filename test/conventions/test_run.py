@@ -7,59 +7,15 @@ import shutil
 import signal
 import socket
 import subprocess
-import sys
 import time
 
 import pytest
+from conventions.run_shell import FAKE_STEPS, calls, ended, folder, shell, start
 from conventions.source_tree import ROOT
 
+__all__ = ['folder']  # a fixture
+
 pytestmark = [pytest.mark.packaging, pytest.mark.processes]
-
-# The steps without their work: each tells that it ran, and makes what the next one looks for.
-FAKE_STEPS = """
-check_system() { :; }
-make_venv() { echo venv >>"$root/calls"; mkdir -p "$venv"; }
-install_tools() { echo tools >>"$root/calls"; }
-install_packages() { echo packages >>"$root/beside"; }
-build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
-build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
-compile_kernels() { echo kernels >>"$root/beside"; }
-compile_all() { echo others >>"$root/others"; }
-install_test() { :; }
-"""
-
-
-@pytest.fixture
-def folder(tmp_path):
-    """Return a folder with what the keys of the steps are computed from, and what is sourced."""
-    for name in ('run', 'setup.py'):
-        shutil.copy(ROOT / name, tmp_path)
-    for given in ('requirements', 'config'):
-        shutil.copytree(ROOT / given, tmp_path / given)
-    for definitions in ('msg_defs', 'test/msg_defs'):
-        shutil.copytree(ROOT / definitions, tmp_path / definitions)
-    return tmp_path
-
-
-def start(folder, script, **variables):
-    """Start a shell that has sourced `run` of a folder, in a session of its own."""
-    environment = {'PATH': os.environ['PATH'], 'PYTHON': sys.executable, **variables}
-    return subprocess.Popen(
-        ['bash', '-c', f'source ./run\n{script}'],
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-
-
-def shell(folder, script, **variables):
-    """Return (exit code, output, errors) of a script after `run` was sourced."""
-    process = start(folder, script, **variables)
-    output, errors = process.communicate(timeout=800)
-    return process.returncode, output, errors
 
 
 def keys(folder, **variables):
@@ -67,10 +23,6 @@ def keys(folder, **variables):
     code, output, errors = shell(folder, script, **variables)
     assert code == 0, errors
     return output.split()
-
-
-def calls(folder):
-    return (folder / 'calls').read_text().split()
 
 
 def append(path, text):
@@ -222,17 +174,6 @@ install_packages() {
 
 
 BUSY = 'compile_kernels() { echo $BASHPID >"$root/busy"; sleep 60; }\n'
-
-
-def ended(folder):
-    """Tell whether the step that is busy beside the messages has ended, or does within seconds."""
-    for _ in range(50):
-        try:
-            os.kill(int((folder / 'busy').read_text()), 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.1)
-    return False
 
 
 def test_kernels_are_compiled_no_longer_where_the_messages_fail(folder):
@@ -390,6 +331,7 @@ def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fet
         ('pytest', 'test'),
         ('.venv/bin/pytest -x', 'test'),
         ('python -m bench.costs.filters', 'test'),
+        ('python -m bench.viewer.pictures --node', 'test view'),
         ('python docs/generate_reference.py', 'test'),
         ('mkdocs build', 'test docs'),
         ('ruff check', 'lint'),
@@ -516,179 +458,6 @@ def test_fast_dds_does_without_shared_memory_unless_told_otherwise(folder, given
     code, output, errors = shell(folder, script, AMENT_PREFIX_PATH='', **given)
     assert code == 0, errors
     assert output == expected.format(folder.resolve()) + '\n'
-
-
-def python_of(folder, version):
-    """Write an interpreter that says that it is of a version, and return its folder."""
-    path = folder / f'bin-{version}' / f'python{version}'
-    path.parent.mkdir()
-    path.write_text(f'#!/bin/sh\necho {version}.1 /nowhere\n')
-    path.chmod(0o755)
-    return path.parent
-
-
-# A main environment of 3.11, steps that only say what they would do, and checks that pass.
-FAKE_ENDS = """
-mkdir -p "$venv/bin" "$root/home"; HOME=$root/home; unset PYENV_ROOT
-printf '#!/bin/sh\\necho 3.11.9 /nowhere\\n' >"$venv/bin/python"; chmod +x "$venv/bin/python"
-step() { echo "$1" >>"$root/steps"; }
-python() { echo "$2" >>"$root/checks"; }
-test_core() { echo "core $1" >>"$root/checks"; [[ $1 != "${breaks:-}" ]]; }
-prepare_ends; run_tests
-"""
-
-
-def test_the_core_is_tested_under_the_ends_of_the_supported_range(folder):
-    found = [python_of(folder, version) for version in ('3.10', '3.13')]
-    path = ':'.join([*map(str, found), os.environ['PATH']])
-    code, _, errors = shell(folder, FAKE_ENDS, PATH=path)
-    assert code == 0, errors
-    assert 'core on Python 3.10 ok, core on Python 3.13 ok, pytest ok' in errors
-    assert (folder / 'steps').read_text().split() == ['core-3.10', 'core-3.13']
-    code, _, errors = shell(folder, 'breaks=3.13\n' + FAKE_ENDS, PATH=path)
-    assert code == 1
-    assert 'core on Python 3.10 ok, core on Python 3.13 FAILED, pytest ok' in errors
-
-
-def test_the_oldest_python_has_the_oldest_packages_and_the_newest_the_newest(folder):
-    for version in ('3.10', '3.13'):
-        python_of(folder, version)
-    (folder / '.venv/bin').mkdir(parents=True)
-    uv = folder / '.venv/bin/uv'
-    uv.write_text('#!/bin/sh\necho "$@" >>"$root/asked"\n')
-    uv.chmod(0o755)
-    path = f'{folder}/bin-3.10:{folder}/bin-3.13:/usr/bin:/bin'
-    script = FAKE_ENDS.replace('step() {', 'index_of_pip() { :; }; export root; step() { "$4";')
-    code, _, errors = shell(folder, script, PATH=path)
-    assert code == 0, errors
-    asked = (folder / 'asked').read_text().splitlines()
-    oldest, newest, drake = (line for line in asked if line.startswith('pip install'))
-    assert 'core-3.13/' in drake
-    assert drake.endswith('--only-binary :all: drake')
-    assert 'core-3.10/' in oldest
-    assert '--resolution lowest-direct' in oldest
-    assert 'core-3.13/' in newest
-    assert '--resolution highest' in newest
-    assert all(line.endswith(f'-e {folder.resolve()}[test]') for line in (oldest, newest))
-
-
-@pytest.mark.parametrize(
-    ('openvdb', 'code', 'said'),
-    [
-        ('openvdb=$root/there', 0, 'fields for OpenVDB ok'),
-        ('openvdb=$root/broken', 1, 'fields for OpenVDB FAILED'),
-        ("openvdb=''", 0, 'fields for OpenVDB NOT RUN (no python3-openvdb here)'),
-        ('unset openvdb', 0, 'ruff check ok'),
-    ],
-)
-def test_fields_for_openvdb_are_tested_where_its_module_is(folder, openvdb, code, said):
-    checks = 'python() { :; }; test_in() { [[ $1 == *there ]]; }; ends=() missing=()\n'
-    done, _, errors = shell(folder, checks + openvdb + '\nrun_tests')
-    assert done == code, errors
-    last = errors.rstrip().splitlines()[-1]
-    assert said in last
-    assert ('OpenVDB' in last) == ('OpenVDB' in said)
-
-
-def test_without_openvdb_no_environment_is_made_for_it(folder):
-    """The system's Python is there, and nothing brings the module."""
-    script = 'compute_keys() { :; }; apt_try() { echo "asked for $*" >>"$root/asked"; }\n'
-    script += 'index_of_pip() { :; }; prepare_openvdb; echo "<$openvdb>"'
-    (folder / 'pyopenvdb.py').write_text('raise ImportError')
-    code, output, errors = shell(folder, script, PYTHONPATH=str(folder))
-    assert code == 0, errors
-    assert output.endswith('<>\n')
-    assert (folder / 'asked').read_text() == 'asked for python3-openvdb\n'
-
-
-def test_an_interpreter_that_is_missing_is_named_in_the_closing_line(folder):
-    path = f'{python_of(folder, "3.10")}:/usr/bin:/bin'
-    code, _, errors = shell(folder, 'ends_of_range=(3.10 3.99)' + FAKE_ENDS, PATH=path)
-    assert code == 0, errors
-    last = errors.rstrip().splitlines()[-1]
-    assert 'core on Python 3.99 NOT RUN (no such interpreter here)' in last
-
-
-def test_what_only_bears_the_name_of_a_version_is_no_interpreter_of_it(folder):
-    """As the shims of a version manager, which end with an error."""
-    shim = python_of(folder, '3.13') / 'python3.13'
-    shim.write_text('#!/bin/sh\nexit 127\n')
-    (folder / 'home/.pyenv/versions/3.13.0/bin').mkdir(parents=True)
-    real = python_of(folder / 'home', '3.13') / 'python3.13'
-    real.rename(folder / 'home/.pyenv/versions/3.13.0/bin/python3.13')
-    script = 'HOME=$root/home; unset PYENV_ROOT; find_version 3.13'
-    code, output, errors = shell(folder, script, PATH=f'{shim.parent}:/usr/bin:/bin')
-    assert code == 0, errors
-    assert output.strip().endswith('.pyenv/versions/3.13.0/bin/python3.13')
-
-
-def test_the_quick_tests_hold_a_file_of_each_room_of_the_core():
-    lines = (ROOT / 'test/quick_core.txt').read_text().splitlines()
-    files = [line for line in lines if not line.startswith('#')]
-    assert [name for name in files if not (ROOT / name).is_file()] == []
-    rooms = {'math', 'autodiffutils', 'sensors', 'common', 'scene_files', 'trajectories', 'batch'}
-    rooms |= {'replay', 'command_line', 'geometry'}
-    assert {name.split('/')[1] for name in files} >= rooms
-
-
-# What one shell does for the other ROS, and the closing line of the other.
-FAKE_JAZZY = """
-mkdir -p test; echo '# which' >test/quick_ros.txt; echo test/ros/test_it.py >>test/quick_ros.txt
-others_beside() { :; }
-python() { echo "${venv##*/} $*" >>"$root/checks"; }
-test_other_ros; run_tests
-"""
-
-
-def test_the_node_is_tested_on_jazzy_in_an_environment_of_its_own(folder):
-    code, _, errors = shell(folder, FAKE_STEPS + FAKE_JAZZY)
-    assert code == 0, errors
-    assert 'mypy ok, node on ROS 2 Jazzy ok, pytest ok' in errors
-    first, *others = (folder / 'checks').read_text().splitlines()
-    assert first.startswith('.venv-jazzy -m pytest')
-    assert first.endswith('test/ros/test_it.py')
-    assert all(line.startswith('.venv -m ') for line in others)
-    assert calls(folder) == ['venv', 'tools', 'messages', 'tf2_msgs']
-
-
-@pytest.mark.parametrize(
-    ('breaks', 'code', 'told'),
-    [
-        ('python() { [[ $venv != *jazzy || $* != *pytest* ]]; }', 1, 'FAILED'),
-        ('build_messages() { false; }', 1, 'FAILED'),
-        (
-            'install_packages() { false; echo; }',
-            0,
-            'NOT RUN (its packages cannot be installed: log/setup-jazzy)',
-        ),
-    ],
-)
-def test_what_breaks_on_jazzy_is_told_in_the_closing_line(folder, breaks, code, told):
-    script = FAKE_STEPS + FAKE_JAZZY.replace('test_other_ros;', f'{breaks}\ntest_other_ros;')
-    status, _, errors = shell(folder, script)
-    assert (status, f'node on ROS 2 Jazzy {told}, pytest ok' in errors) == (code, True), errors
-
-
-def test_jazzy_itself_or_another_distribution_is_not_tested_twice(folder):
-    tell = '\ntest_other_ros; echo "[${on_other_ros:-}]"'
-    assert shell(folder, FAKE_STEPS + tell, ROS_DISTRO='jazzy')[1].strip() == '[]'
-    told = shell(folder, FAKE_STEPS + '\nunderlay=/opt/ros' + tell)[1]
-    assert 'NOT RUN (the ROS in /opt/ros is used)' in told
-
-
-def test_the_quick_tests_of_a_ros_are_there():
-    lines = (ROOT / 'test/quick_ros.txt').read_text().splitlines()
-    files = [line for line in lines if not line.startswith('#')]
-    assert len(files) >= 4
-    assert [name for name in files if not (ROOT / name).is_file()] == []
-
-
-def test_what_setup_supports_are_the_ends_that_are_tested():
-    text = (ROOT / 'requirements/other_pythons.sh').read_text()
-    oldest, newest = re.search(r'ends_of_range=\((\S+) (\S+)\)', text).groups()
-    asked = re.search(r"python_requires='>=(\S+),<(\S+)'", (ROOT / 'setup.py').read_text())
-    major, minor = newest.split('.')
-    assert asked.groups() == (oldest, f'{major}.{int(minor) + 1}')
 
 
 def test_folders_of_packages_are_kept(folder):

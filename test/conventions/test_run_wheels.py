@@ -10,8 +10,8 @@ import zipfile
 from email import message_from_bytes
 
 import pytest
+from conventions.run_shell import folder, shell
 from conventions.source_tree import ROOT
-from conventions.test_run import folder, shell
 from conventions.test_wheel import PINS, run
 from geometry.scene.test_compilation import CODE
 from packaging.requirements import Requirement

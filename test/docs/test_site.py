@@ -30,12 +30,14 @@ def built(tmp_path_factory):
     return folder, done.stdout
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_it_builds_without_warnings(built):
     assert 'WARNING' not in built[1]
     assert 'ERROR' not in built[1]
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_every_page_is_there(built):
     pages = [path.relative_to(ROOT / 'docs') for path in (ROOT / 'docs').rglob('*.md')]
@@ -45,6 +47,7 @@ def test_every_page_is_there(built):
         assert (built[0] / page.parent / name).exists(), page
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_what_pages_link_to_outside_is_copied(built):
     assert (built[0] / 'source/scenes/two_pandas.yaml.txt').read_text() == (
@@ -52,6 +55,7 @@ def test_what_pages_link_to_outside_is_copied(built):
     ).read_text()
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_lists_and_tables_are_told_from_paragraphs(built):
     """A list or a table without an empty line before it is a paragraph to Python-Markdown."""
@@ -61,6 +65,7 @@ def test_lists_and_tables_are_told_from_paragraphs(built):
         assert wrong == [], page
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_code_is_highlighted_and_nothing_comes_from_a_network(built):
     page = (built[0] / 'tutorials/planner_in_python.html').read_text()
@@ -72,6 +77,7 @@ def test_code_is_highlighted_and_nothing_comes_from_a_network(built):
     assert loaded == []
 
 
+@pytest.mark.everything
 @pytest.mark.processes
 def test_the_title_of_a_file_is_shown(built):
     page = (built[0] / 'tutorials/first_scene.html').read_text()
