@@ -195,7 +195,7 @@ def test_the_quick_tests_hold_a_file_of_each_room_of_the_core():
 # What one shell does for the other ROS, and the closing line of the other.
 FAKE_JAZZY = """
 mkdir -p test; echo '# which' >test/quick_ros.txt; echo test/ros/test_it.py >>test/quick_ros.txt
-others_beside() { :; }
+compile_all() { echo all >>"$root/others"; }
 python() { echo "${venv##*/} $*" >>"$root/checks"; }
 check_beside jazzy test_other_ros; run_tests
 """
@@ -211,6 +211,7 @@ def test_the_node_is_tested_on_jazzy_in_an_environment_of_its_own(folder):
     assert jazzy.endswith('test/ros/test_it.py')
     assert all(line.startswith('.venv -m ') for line in checks if line != jazzy)
     assert calls(folder) == ['venv', 'tools', 'messages', 'tf2_msgs']
+    assert not (folder / 'others').exists()  # its few files compile what they use
 
 
 @pytest.mark.parametrize('given', [{}, {'ROS_DOMAIN_ID': '5'}, {'ROS_DOMAIN_ID': '100'}])
