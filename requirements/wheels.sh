@@ -51,17 +51,19 @@ copy_tree() {
     scenes drake_geom_ros) | tar xf - -C "$1"
 }
 
-# Numba's own wheel says which platforms run what it compiles.
+# Numba's own wheel says which platforms run what it compiles. setuptools is called as pip would: the
+# pip that some Pythons bring cannot hand it two options.
 build_wheel() {
-  local python=$wheel_venv/bin/python platform built
+  local python=$wheel_venv/bin/python built
   built=$(mktemp -d)
   (cd "$tree" && "$python" -c 'import sys, setuptools.build_meta as build
 build.build_sdist(sys.argv[1])' "$built") # before there are kernels, which it has none of
   compile_for_any_cpu "$tree" "$python"
-  platform=$("$python" "$root/requirements/platform_of.py" numba)
-  (cd "$tree" && "$python" -m pip wheel --no-deps --no-build-isolation --no-cache-dir -w "$built" . \
-    -C--build-option=--plat-name="$platform" \
-    -C--build-option=--python-tag="$("$python" -c 'import sys; print(sys.implementation.cache_tag.replace("cpython-", "cp"))')")
+  (cd "$tree" && "$python" -c 'import sys, setuptools.build_meta as build
+tag = sys.implementation.cache_tag.replace("cpython-", "cp")
+options = [f"--plat-name={sys.argv[2]}", f"--python-tag={tag}"]
+build.build_wheel(sys.argv[1], {"--build-option": options})' \
+    "$built" "$("$python" "$root/requirements/platform_of.py" numba)")
   mkdir -p "$dist"
   mv "$built"/* "$dist/"
   rm -rf "$built"
