@@ -61,3 +61,13 @@ def test_where_interrupts_are_ignored_they_stay_so():
     done = started('-c', script, 'drake_geom_ros', preexec_fn=ignoring)
     assert (done.returncode, done.stderr) == (0, '')
     assert done.stdout.startswith('usage: drake_geom_ros')
+
+
+def test_what_a_program_imports_is_searched_for_garbage_no_more_and_what_follows_is():
+    script = """
+import gc
+from drake_geom_ros import programs
+programs.drake_geom_ros(['query', 'scenes/minimal.yaml', '--out', '/dev/null'])
+print(gc.isenabled(), gc.get_freeze_count() > len(gc.get_objects()))
+"""
+    assert started('-c', script).stdout == 'True True\n'
