@@ -83,6 +83,13 @@ class _Publisher:
         pass
 
 
+class _Results(_Publisher):
+    """A publisher that makes what it publishes."""
+
+    def __init__(self, kind: Any) -> None:
+        self.make_message = kind
+
+
 class _Node:
     """What a node has for a scene: the stream of poses and its cycle, with results listened to."""
 
@@ -90,8 +97,9 @@ class _Node:
         self.live = LiveScene('exact', Clocks(time.time))
         with self.live.editing() as scene:
             scene.make(addition(read_scene(SCENES / scene_file)))
-        results = {name: _Publisher() for name in ('penetrations', 'signed_distances')}
-        silent = SimpleNamespace(get_subscription_count=lambda: 0)
+        kinds = {'penetrations': msg.PenetrationPairs, 'signed_distances': msg.SignedDistancePairs}
+        results = {name: _Results(kind) for name, kind in kinds.items()}
+        silent = SimpleNamespace(get_subscription_count=lambda: 0, make_message=msg.CycleReport)
         publishers = {**results, 'cycle_report': silent}
         topics = RuleTopics(*(_Publisher() for _ in RuleTopics._fields))
         types = SimpleNamespace(**vars(msg), Float64=Float64)
@@ -100,7 +108,7 @@ class _Node:
             silent, msg.ContactSurfaces, lambda: False, lambda: False, lambda _: None
         )
         costs, replays = LevelCosts(self.live, silent), Replays(lambda: ('', 20))
-        cycle = Cycle(msg, publishers, costs, replays, rules, contacts)
+        cycle = Cycle(publishers, costs, replays, rules, contacts)
         values = SimpleNamespace(stale_after=1.0, rate=0.0, max_distance=0.3, time_budget=0.0)
         counts = SimpleNamespace(take=lambda *_: None, answer=lambda _: None)
         self.stream = PoseStream(self.live, SimpleNamespace(values=values), counts, cycle)

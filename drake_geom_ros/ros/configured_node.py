@@ -50,6 +50,7 @@ from drake_geom_ros.ros.outputs.diagnostics import (
     add_counts,
     add_trouble,
 )
+from drake_geom_ros.ros.outputs.result_publisher import ResultPublisher
 from drake_geom_ros.ros.outputs.rule_points import RulePoints
 from drake_geom_ros.ros.outputs.unlocked import LargePublisher
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
@@ -130,8 +131,7 @@ class ConfiguredNode:
         points = self._rule_points.beside
         beside = (*self._beside.values(), self._cameras.beside, points, decided, *proofs, judged)
         self._cycle = Cycle(
-            messages,
-            {name: publishers[f'~/{name}'] for name in CYCLE_TOPICS},
+            {name: ResultPublisher(publishers[f'~/{name}']) for name in CYCLE_TOPICS},
             self._costs,
             self._replays,
             self._rules,

@@ -14,6 +14,7 @@ from drake_geom_ros.live.conversions.message_types import (
     PoseMessage,
     TimeMessage,
 )
+from drake_geom_ros.live.conversions.serialized_results import ResultRecord
 from drake_geom_ros.math import RigidTransform
 
 # Bytes that are copied at once: other threads get the interpreter in between. 48 MB, the cells of
@@ -65,7 +66,13 @@ def uint8s(values: NDArray[Any]) -> array.array[int]:
 
 
 def fill_arrays(message: Any, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Fill fields by name: bool[], uint8[] from bytes, uint64[] from integers, else float64[]."""
+    """Fill fields by name: bool[], uint8[] from bytes, uint64[] from integers, else float64[].
+
+    A ``ResultRecord`` takes the arrays as they are.
+    """
+    if isinstance(message, ResultRecord):
+        message.fill(arrays)
+        return
     for name, values in arrays.items():
         if values.dtype == np.bool_:
             setattr(message, name, values.tolist())

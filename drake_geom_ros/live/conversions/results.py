@@ -51,9 +51,12 @@ def fill_closing_speeds(message: Any, speeds: ClosingSpeeds | None) -> None:
     """Fill the closing speeds of a message of pairs; leave them empty where nobody watches."""
     if speeds is None:
         return
-    message.has_closing_speed = speeds.known.tolist()
-    message.closing_speed = floats(speeds.speed)
-    message.time_to_contact = floats(speeds.time_to_contact)
+    arrays = {
+        'has_closing_speed': speeds.known,
+        'closing_speed': speeds.speed,
+        'time_to_contact': speeds.time_to_contact,
+    }
+    fill_arrays(message, arrays)
 
 
 def fill_point_distances(

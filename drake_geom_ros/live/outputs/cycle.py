@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -39,13 +39,25 @@ TOPICS = ('penetrations', 'signed_distances', 'cycle_report')
 _OF_PAIRS = ('penetrations', 'signed_distances', 'contact_surfaces')
 
 
+class ResultTopic(Protocol):
+    """Publishes one type of messages, and makes what is filled for it."""
+
+    def make_message(self) -> Any:
+        """Return an empty message, which is filled and published again and again."""
+
+    def publish(self, message: Any) -> None:
+        """Publish such a message."""
+
+    def get_subscription_count(self) -> int:
+        """Return how many listen."""
+
+
 class Cycle:
     """Runs cycles over four publishers; nothing is computed for nobody."""
 
     def __init__(
         self,
-        messages: Any,
-        publishers: dict[str, Any],
+        publishers: Mapping[str, ResultTopic],
         costs: LevelCosts,
         replays: Replays,
         rules: RuleEvents,
@@ -65,11 +77,7 @@ class Cycle:
         self.contacts = contacts
         self._publishers = publishers
         # Filled anew each cycle: making one costs as much as filling it (30 us).
-        self._messages = {
-            'penetrations': messages.PenetrationPairs(),
-            'signed_distances': messages.SignedDistancePairs(),
-            'cycle_report': messages.CycleReport(),
-        }
+        self._messages = {name: each.make_message() for name, each in publishers.items()}
         self.cross_check: CrossCheck | None = None
         self.count = 0
         self.worst_error_bound = 0.0  # [m] of the last cycle that computed anything
@@ -98,7 +106,8 @@ class Cycle:
             self.rules.look_at(scene, None, 0.0)
             return
         moment, waiting = scene.moment(), scene.waiting()
-        waiting.tell_pairs(*self._messages.values(), self.contacts.message)
+        asked = [message for name, message in self._messages.items() if wanted[name]]
+        waiting.tell_pairs(*asked, *([self.contacts.message] if pressing else ()))
         scene.model.context.set_detailed_effects(wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None

@@ -45,6 +45,8 @@ class Message:
 class PlainTopic(Topic):
     """Keeps what was in the messages, which are filled in again."""
 
+    make_message = Message
+
     def publish(self, message):
         super().publish(dict(vars(message)))
 
@@ -113,11 +115,8 @@ def no_rules():
 
 @pytest.fixture
 def cycle(live, topics, pressed):
-    kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
-    return Cycle(
-        Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules(), contacts(pressed)
-    )
+    return Cycle(topics, costs, Replays(lambda: ('', 0)), no_rules(), contacts(pressed))
 
 
 def contacts(topic):
@@ -295,10 +294,9 @@ def test_what_is_done_beside_the_cycles_is_told_once(live, asked, topics):
         Beside.publishing('point_distances', lambda: NO_SUBSCRIBER),
         Beside.publishing('scene', lambda: 'not yet'),
     ]
-    kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
     cycle = Cycle(
-        *(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules()),
+        *(topics, costs, Replays(lambda: ('', 0)), no_rules()),
         *(contacts(PlainTopic(0)), beside),
     )
 
