@@ -30,6 +30,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
 )
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import load_scene
 from drake_geom_ros.stopping import (
     Braking,
@@ -61,7 +62,8 @@ class BusyCell:
         ]
         self.own = [self._body(person, frame) for frame in self.limbs]
         obstacles = self.graph.RegisterSource('obstacles')
-        instance = GeometryInstance(RigidTransform(), self._map(cells), 'map')
+        self.cells_now = self._map(cells)
+        instance = GeometryInstance(RigidTransform(), self.cells_now, 'map')
         instance.set_proximity_properties(ProximityProperties())
         self.map = self.graph.RegisterGeometry(
             obstacles, self.graph.model_inspector().world_frame_id(), instance
@@ -96,24 +98,31 @@ class BusyCell:
             RESOLUTION, RESOLUTION * (cells[self._rng.permutation(len(cells))[:count]] + 0.5)
         )
 
+    def limb_places(self, cycle: int) -> Floats:
+        """Return where the limbs (LIMBS, 3) [m] of the person are in a cycle."""
+        t, k = 0.01 * cycle, np.arange(LIMBS)
+        at = np.array([1.3 + 0.4 * np.sin(0.7 * t), 1.2 * np.sin(0.4 * t), 0.2])
+        return np.asarray(at + 0.1 * np.column_stack((np.cos(k), np.sin(k), 1.2 * k)))
+
     def walk(self, cycle: int) -> None:
         """Pose the person for a cycle."""
-        t = 0.01 * cycle
-        at = np.array([1.3 + 0.4 * np.sin(0.7 * t), 1.2 * np.sin(0.4 * t), 0.2])
-        poses = {}
-        for k, frame in enumerate(self.limbs):
-            poses[frame] = RigidTransform(at + 0.1 * np.array([np.cos(k), np.sin(k), 1.2 * k]))
+        places = zip(self.limbs, self.limb_places(cycle), strict=True)
+        poses = {frame: RigidTransform(place) for frame, place in places}
         self.context.UpdateFramePoses(FramePoseVector(poses))
 
     def change_map(self) -> None:
         """Have the sensor see something else."""
         self.graph.ChangeShape(self.source, self.map, self._map(self.cells), context=self.context)
 
-    def states(self, cycle: int) -> list[RobotState]:
-        """Return how the arms move in a cycle, and pose them."""
+    def motion(self, cycle: int) -> tuple[Floats, Floats]:
+        """Return the values and the speeds of all joints in a cycle."""
         t = 0.01 * cycle + np.linspace(0.0, 3.0, self.joints.count)
         middle = np.clip(0.5 * (self.joints.lower + self.joints.upper), -2.0, 2.0)
-        q, v = middle + 0.4 * np.sin(2.0 * t), SPEED * np.cos(2.0 * t)
+        return middle + 0.4 * np.sin(2.0 * t), SPEED * np.cos(2.0 * t)
+
+    def states(self, cycle: int) -> list[RobotState]:
+        """Return how the arms move in a cycle, and pose them."""
+        q, v = self.motion(cycle)
         ids = [FrameId(int(value)) for value in self.joints.id_values]
         poses = self.joints.poses(q[None])[0]
         self.context.UpdateFramePoses(FramePoseVector.FromArrays(ids, poses))

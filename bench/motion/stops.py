@@ -43,14 +43,18 @@ def _is_wrong(cell, moment, arm, stop, rng) -> bool:
     """Return whether a sample of a stop that is proved comes too near."""
     along = cell.braking.category == 1
     shares = [share * stop.scale for share in _SHARES if stop.scale > 0.0]
-    for share in shares + [1.0] * (stop.clear and along):
-        if along:
-            went, seconds = cell.along_path(moment, arm, share)
-            if cell.worst(moment, arm, went, seconds, 'no other arm') < -_ROUNDING:
-                return True
-        if share <= stop.scale:
-            went, seconds = cell.by_itself(moment, arm, share, rng)
-            asked = 'the other arm' if along else None
-            if cell.worst(moment, arm, went, seconds, asked) < -_ROUNDING:
-                return True
-    return False
+    by_itself = [cell.by_itself(moment, arm, share, rng) for share in shares]
+    if not along:
+        return _comes_too_near(cell, moment, arm, by_itself, None)
+    on_path = [cell.along_path(moment, arm, share) for share in shares + [1.0] * bool(stop.clear)]
+    return _comes_too_near(cell, moment, arm, on_path, 'no other arm') or _comes_too_near(
+        cell, moment, arm, by_itself, 'the other arm'
+    )
+
+
+def _comes_too_near(cell, moment, arm, samples, others) -> bool:
+    """Return whether any of the samples of some stops of an arm comes too near."""
+    if not samples:
+        return False
+    went, seconds = (np.concatenate(each) for each in zip(*samples, strict=True))
+    return bool(cell.worst(moment, arm, went, seconds, others) < -_ROUNDING)

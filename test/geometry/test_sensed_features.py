@@ -72,6 +72,22 @@ def test_pairs_at_every_level(scene):
     assert not len(found.ComputeSignedDistancePairwiseClosestPoints(0.1 - 1e-9))
 
 
+@pytest.mark.parametrize('padding', [0.0, 0.01])
+def test_where_nothing_is_near_enough_no_depth_is_computed(scene, padding):
+    """As where rules are about stops alone, which need no distance."""
+    properties = ProximityProperties()
+    properties.AddProperty('proximity', 'padding', padding)
+    role = scene.source, scene.ids[0], properties, RoleAssign.kReplace
+    scene.graph.AssignRole(scene.context, *role)
+    query = at(scene, IN)
+    assert len(query.ComputeSignedDistancePairwiseClosestPoints(-0.5)) == 0
+    assert query.effects().narrowphase_pairs == 1
+    assert len(query.ComputeSignedDistancePairwiseClosestPoints(-np.inf)) == 0
+    assert (query.effects().narrowphase_pairs, query.effects().pairs_by_method) == (0, {})
+    (found,) = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
+    assert abs(found.distance + padding - 0.1) <= found.error_bound
+
+
 def test_witness_points_lie_on_both_surfaces(scene):
     (found,) = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
     assert found.nhat_BA_W == pytest.approx([0.0, 0.0, -1.0])

@@ -18,7 +18,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
 )
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
+from drake_geom_ros.math.batched import compose, matrices_from_poses, poses_from_matrices
 from drake_geom_ros.scene_files import load_scene
 from drake_geom_ros.stopping import Braking, RobotState, StoppingCheck, StoppingQuestion, robots_of
 from truth.references.braking import base_poses, progress
@@ -72,6 +72,7 @@ class StoppingCell:
         self.robots = robots_of(self.joints)
         self.map = self._sensed().get_value()
         self.context = self.graph.CreateDefaultContext()
+        self._judged = self.graph.CreateDefaultContext()  # without changes of shapes
         self.braking, self.margin, self.max_speed = braking, margin, max_speed
         self.with_base = with_base
         self.ids = {key: id.get_value() for key, id in self.loaded.geometries.items()}
@@ -178,7 +179,7 @@ class StoppingCell:
         frames = np.concatenate((self.joints.id_values, self.people))
         frames, places = np.unique(frames, return_index=True)
         found = evaluate(
-            self.graph, [FrameId(int(f)) for f in frames], poses[:, places], 'within', limit
+            self._judged, [FrameId(int(f)) for f in frames], poses[:, places], 'within', limit
         )
         rows = np.repeat(np.arange(len(poses)), np.diff(found.offsets))
         own = self.own[('left', 'right')[number]]
@@ -218,10 +219,13 @@ class StoppingCell:
         first = np.linalg.inv(self._first_base())
         of_right = np.isin(self.joints.id_values, [*self.robots[1].frame_ids, self.base])
         bases = base_poses(moment.X_WB, moment.twist, went[:, -1]) @ first
-        for k, moved in enumerate(bases):
-            R, p = matrices_from_poses(poses[k, of_right])
-            R_WM, p_WM = moved[:3, :3], moved[:3, 3]
-            poses[k, of_right] = poses_from_matrices(R_WM @ R, p @ R_WM.T + p_WM)
+        count = len(poses)
+        R_WMs, p_WMs = bases[:, None, :3, :3], bases[:, None, :3, 3]
+        R, p = matrices_from_poses(poses[:, of_right].reshape(-1, 7))
+        R, p = R.reshape(count, -1, 3, 3), p.reshape(count, -1, 3)
+        R, p = compose(R_WMs, p_WMs, R, p)
+        moved = poses_from_matrices(R.reshape(-1, 3, 3), p.reshape(-1, 3))
+        poses[:, of_right] = moved.reshape(count, -1, 7)
         people = np.repeat(moment.people[None], len(went), axis=0)
         return np.concatenate((poses, people), axis=1)
 

@@ -168,6 +168,8 @@ class Engine:
         every call is a cache miss.
         """
         world = prepared.world
+        if prepared.cutoff == -math.inf:
+            return self._answer_of_none(world)
         stale, revision = world.is_stale, world.revision
         if not stale and self._last is prepared and prepared.answered_at == revision:
             return self._as_before(prepared.near)
@@ -251,6 +253,16 @@ class Engine:
         self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[POSED] = time.perf_counter()
         self._moments[FILTERING] = self._moments[KNOWING] = 0.0
+
+    def _answer_of_none(self, world: World) -> Floats:
+        """Return the answer where no pair is near enough: none is measured for its depth."""
+        self._begin(world)
+        self._last, self._answers = None, _NO_ANSWERS
+        self._report.summary[CONSIDERED] = self._report.summary[LISTED_PAIRS] = 0
+        self._counts[:] = 0
+        self._moments[LISTED] = self._moments[COMPILED] = self._moments[POSED]
+        self._moments[ANSWERED] = self._moments[POSED]
+        return _NO_ANSWERS
 
     def _as_before(self, near: NeighbourList) -> Floats:
         """Return the last answer, which is still valid, and report its pairs as cached."""
