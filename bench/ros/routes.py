@@ -103,7 +103,16 @@ def stream(
 
     ``rows`` are those of ``rows_of``, by who wants them computed before.
     """
-    rows = rows_of(played, rate, seconds) if rows is None else rows
+    send_all(
+        executor, route, played, rate, rows_of(played, rate, seconds) if rows is None else rows
+    )
+    hear_last(executor)
+
+
+def send_all(
+    executor: SingleThreadedExecutor, route: Route, played: Played, rate: float, rows: list[bytes]
+) -> None:
+    """Send poses at a rate, without waiting for answers; hear those that come meanwhile."""
     message = FramePoses(frame_names=played.frame_names)
     first = max(route.delays, default=0) + 1
     start = time.perf_counter()
@@ -113,6 +122,10 @@ def stream(
             executor.spin_once(timeout_sec=left)
         route.send(message, first + k)
         executor.spin_once(timeout_sec=0.0)  # who is late with sending hears all the same
+
+
+def hear_last(executor: SingleThreadedExecutor) -> None:
+    """Wait for the last answers."""
     end = time.perf_counter() + LAST_ANSWERS
     while (left := end - time.perf_counter()) > 0.0:
         executor.spin_once(timeout_sec=left)

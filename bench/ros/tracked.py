@@ -33,7 +33,7 @@ from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
 from bench.ros.processes import Processes, processor
-from bench.ros.routes import Route, stream
+from bench.ros.routes import Route, hear_last, rows_of, send_all
 from bench.ros.scenes import Played, two_arms
 from drake_geom_ros.live.conversions.tracked_objects import TrackedObjectsReader
 from drake_geom_ros.live.inputs.tracked_input import TrackedInput
@@ -108,16 +108,17 @@ def of_node(played: Played, options: argparse.Namespace) -> None:
         used, pairs = dict.fromkeys(ways, 0.0), dict.fromkeys(ways, 0)
         played_for = 0.0  # [s] each way
 
-        def play(seconds: float) -> None:
-            stream(executor, route, played, RATE, seconds)
-
+        settling, rows = (
+            rows_of(played, RATE, each) for each in (SETTLED, options.seconds / TURNS)
+        )
         for kind in [*ways] * TURNS:
             with ways[kind]():
-                play(SETTLED)
+                send_all(executor, route, played, RATE, settling)
                 before, start = processor(node.pid), time.perf_counter()
-                play(options.seconds / TURNS)
+                send_all(executor, route, played, RATE, rows)
                 used[kind] += processor(node.pid) - before
                 played_for += (time.perf_counter() - start) / len(ways)
+                hear_last(executor)
                 pairs[kind] = len(route.latest.id_a)
     rclpy.shutdown()
     print(f'the node without bodies uses {used[None] / played_for:.1%} of a processor, and')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from typing import Protocol
 
 from drake_geom_ros.geometry import QueryObject
@@ -78,6 +79,8 @@ class PoseStream:
         self._diagnostics = diagnostics
         self._cycle = cycle
         live.rehearse = self._rehearse
+        # Called with the scene when poses were taken, before their cycle.
+        self.with_poses: Callable[[HeldScene], object] = lambda scene: None
         self._frames, self._seconds = 0, 0.0  # taken since the last cycle, and what that cost
         # [s] when poses came last, and how long after those before.
         self._posed_at, self._gap = -math.inf, math.inf
@@ -151,9 +154,8 @@ class PoseStream:
     def has_cycle_soon(self) -> bool:
         """Return whether poses come so fast that the cycle of the next ones is due within 20 ms.
 
-        Tracked bodies that moved share it: a cycle of their own would cost as much again, and be
-        10 ms earlier beside a robot at 100 Hz. Where poses stop that moment, rules are decided by
-        their timer, and the next message of the tracker has its cycle. Any thread may ask.
+        Tracked bodies that moved wait for it: a cycle of their own would cost as much again, and
+        be 10 ms earlier beside a robot at 100 Hz. Any thread may ask.
         """
         return self._gap <= _SOON and time.perf_counter() - self._posed_at <= _SOON
 
@@ -170,6 +172,7 @@ class PoseStream:
 
     def _posed(self, scene: HeldScene, frames: int, start: float) -> None:
         """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""
+        self.with_poses(scene)
         self._frames += frames
         now = time.perf_counter()
         self._seconds += now - start

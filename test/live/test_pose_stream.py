@@ -53,3 +53,11 @@ def test_poses_that_come_fast_have_a_cycle_soon(clock, times, period, later, is_
     clock.now += later
     assert stream.stream.has_cycle_soon() == is_soon
     assert stream.cycles == times
+
+
+def test_what_comes_with_poses_is_taken_before_their_cycle(clock):
+    stream, cycles = Stream(clock), []
+    stream.stream.with_poses = lambda scene: cycles.append((scene, stream.cycles))
+    stream.pose(2, 0.01)
+    assert [count for _, count in cycles] == [0, 1]
+    assert stream.cycles == 2

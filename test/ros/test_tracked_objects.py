@@ -2,6 +2,7 @@
 
 import math
 import time
+from types import SimpleNamespace as Plain
 
 import pytest
 from drake_geom_msgs import msg, srv
@@ -20,6 +21,8 @@ geometries:
 proximity_rules:
 - {name: stop, set_a: arm, set_b: tracked, level: stop, enter: 0.5, leave: 0.6}
 """
+# [s] a message has a cycle of its own, or shares that of poses which come fast
+SLOWLY, FAST = 0.03, 0.004
 LIFETIME = 0.5  # [s] shorter than stale_after: she leaves before she is stale
 
 
@@ -34,15 +37,16 @@ def node(tmp_path_factory):
 
 
 @pytest.fixture
-def tracker(node, client):
-    return Tracker(client)
+def tracker(node, client, request):
+    return Tracker(client, getattr(request, 'param', SLOWLY))
 
 
 class Tracker:
     """Sends the pose of the hand and bodies, and listens."""
 
-    def __init__(self, client):
-        self.client = client
+    def __init__(self, client, period):
+        """``period`` [s] is the shortest one of the hand's poses."""
+        self.client, self.period = client, period
         self.hand = client.publisher(msg.FramePoses, 'frame_poses')
         self.bodies = client.publisher(msg.TrackedObjects, 'tracked_objects')
         self.markers = client.node.create_publisher(MarkerArray, '/people/markers', 10)
@@ -75,7 +79,7 @@ class Tracker:
         def is_so():
             if speaks:
                 self.speak()
-                time.sleep(0.02)
+                time.sleep(self.period)
             return fact()
 
         self.client.wait_for(is_so, what)
@@ -97,6 +101,7 @@ class Tracker:
         return names - {'heartbeat'}
 
 
+@pytest.mark.parametrize('tracker', [SLOWLY, FAST], indirect=True)
 def test_a_person_comes_near_goes_and_the_tracker_dies(tracker):
     why = msg.ProximityEvents
     tracker.say()
@@ -159,3 +164,19 @@ def test_states_and_what_ifs_know_bodies(tracker):
         )
     )
     assert answer.result.distance[0] == pytest.approx(0.7, abs=1e-9)
+
+
+@pytest.mark.parametrize('tracker', [FAST], indirect=True)
+def test_bodies_move_on_when_fast_poses_stop(tracker):
+    tracker.say(anna=2.0)
+    tracker.until(lambda: tracker.there() == {'anna'}, 'anna')
+    tracker.hand = Plain(publish=lambda _: None)
+    tracker.say(anna=1.0)
+
+    def has_moved():
+        pair = {'geometry_a': 'arm::hand/hand', 'geometry_b': 'tracked::anna/body'}
+        service = srv.ComputeSignedDistancePair, 'compute_signed_distance_pair'
+        answer = accepted(tracker.client.call(*service, **pair))
+        return abs(answer.result.distance[0] - 0.7) < 1e-9
+
+    tracker.until(has_moved, 'that anna has moved')

@@ -98,5 +98,6 @@ def test_cut_off_bytes_are_refused_and_misread_sizes_named():
             reader.read(raw[:length], 'a')
     message = people()
     message.shapes[2] = msg.Shape(type=msg.Shape.SPHERE, dimensions=[5e-320])
-    with pytest.raises(ArgumentError, match=r'sizes\[2\]: 5e-320 is refused'):
-        reader.read(serialize_message(message), 'a')
+    for _ in range(2):
+        with pytest.raises(ArgumentError, match=r'sizes\[2\]: 5e-320 is refused'):
+            reader.read(serialize_message(message), 'a')

@@ -63,7 +63,7 @@ def _misread(message: Any, path: str) -> Iterator[tuple[str, float]]:
             yield f'{path}{name}', value
     for name in fields.arrays:
         values = np.asarray(getattr(message, name), dtype=np.float64)
-        if (is_bad := is_misread(values)).any():
+        if len(values) and (is_bad := is_misread(values)).any():
             first = int(np.argmax(is_bad))
             yield f'{path}{name}[{first}]', float(values[first])
     for name in fields.messages:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drake_geom_ros.live.conversions.misread_numbers import is_misread
 from drake_geom_ros.live.conversions.serialized_cloud import Header
 from drake_geom_ros.live.conversions.serialized_fields import (
     BEGIN,
@@ -28,6 +29,7 @@ from drake_geom_ros.live.conversions.serialized_fields import (
 from drake_geom_ros.math.array_types import Floats
 
 _NAMES_AT = 8  # behind the stamp
+_NONE = np.zeros(0)
 
 
 class ReadShape(NamedTuple):
@@ -41,7 +43,10 @@ class ReadShape(NamedTuple):
 
 
 class ReadTrackedObjects(NamedTuple):
-    """As drake_geom_msgs/TrackedObjects; ``sizes`` are all numbers of the shapes."""
+    """As drake_geom_msgs/TrackedObjects.
+
+    ``sizes`` are all numbers of the shapes; none where they were looked at in another message.
+    """
 
     header: Header
     names: tuple[str, ...]
@@ -76,6 +81,10 @@ class TrackedObjectsBytes:
         self._stamp = stamp
         self._bodies: PartsOfSenders[_Bodies] = PartsOfSenders()
 
+    def repeats(self, raw: bytes, sender: str = '') -> bool:
+        """Return whether a message has the bodies of its sender's last one that was read."""
+        return self._bodies.part_in(raw, sender) is not None
+
     def read(self, raw: bytes, sender: str = '') -> ReadTrackedObjects | None:
         """Return a message; None for one that is laid out otherwise.
 
@@ -89,11 +98,14 @@ class TrackedObjectsBytes:
             seconds, nanoseconds = struct.unpack_from('<iI', raw, BEGIN)
         except NoFitError:
             return None
+        sizes = _NONE
         if last is None:
-            self._bodies.keep(sender, bodies)
+            sizes = bodies.sizes
+            if not is_misread(sizes).any():  # else the next message with them is refused, too
+                self._bodies.keep(sender, bodies)
         header = Header(self._stamp(seconds, nanoseconds), bodies.frame_id)
         return ReadTrackedObjects(
-            header, bodies.names, bodies.shapes, poses, velocities, lifetimes, bodies.sizes
+            header, bodies.names, bodies.shapes, poses, velocities, lifetimes, sizes
         )
 
 

@@ -68,6 +68,31 @@ class TrackedInput:
             self._live.change(change, calls_for_more=is_new)
         return max(1, len(bodies.names))
 
+    def move(
+        self,
+        scene: HeldScene,
+        bodies: Bodies,
+        waited: float = 0.0,
+        sender: str = '',
+        topic: str = TRACKERS,
+    ) -> bool:
+        """Take a message like ``take``, in a scene that is held, if it only moves bodies.
+
+        Return False where it does more, or its bodies are in a frame that is not the world, or
+        other bodies are being taken; nothing has changed then.
+        """
+        is_in_world = bodies.header.frame_id in ('', self._live.world_frame)
+        if not is_in_world or not self._lock.acquire(blocking=False):
+            return False
+        try:
+            if self._changes(scene, bodies):
+                return False
+            bodies, since = self._in_world(bodies, waited)
+            _pose(scene, bodies, since, Feed(topic, sender), waited)
+        finally:
+            self._lock.release()
+        return True
+
     def sweep(self) -> int:
         """Take out the bodies that were not named for their lifetimes; return how many.
 

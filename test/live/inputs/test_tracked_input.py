@@ -197,6 +197,37 @@ def test_another_shape_takes_the_place_of_the_one_before(cell):
         assert scene.tracked.bodies['anna'].shape is version, 'an equal shape is no change'
 
 
+def test_bodies_move_in_a_scene_that_is_held(cell):
+    def move(bodies, **fields):
+        read = cell.reader.read(message(bodies, at=cell.node.now, **fields), FILES)
+        with cell.live.editing() as scene:
+            return cell.input.move(scene, read, 0.0, 't')
+
+    assert not move({'anna': 3.0}), 'nobody was there'
+    cell.hear({'anna': 3.0, 'ben': 4.0})
+    assert move({'anna': 2.0, 'ben': 5.0})
+    assert cell.xs() == {'anna': 2.0, 'ben': 5.0}
+    assert move({'anna': 1.0}), 'ben may be hidden'
+    for does_more in ({'carl': 1.0}, {'anna': (1.0, BOX)}):
+        assert not move(does_more)
+    assert not move({'anna': 9.0}, frame='camera'), 'whose pose may have to be waited for'
+    cell.wait(0.6)
+    assert not move({'anna': 9.0}), 'ben leaves'
+    assert cell.xs() == {'anna': 1.0, 'ben': 5.0}
+
+
+def test_bodies_that_move_with_poses_renew_their_lifetimes_and_the_heartbeat(cell):
+    cell.hear({'anna': 3.0})
+    assert cell.why() is None
+    for _ in range(5):
+        cell.wait(0.4)
+        read = cell.reader.read(message({'anna': 3.0}, at=cell.node.now), FILES)
+        with cell.live.editing() as scene:
+            assert cell.input.move(scene, read, 0.0, 't')
+        assert not cell.input.sweep()
+        assert cell.why() is None
+
+
 def test_a_rule_is_stopped_until_a_tracker_speaks_and_when_it_falls_silent(cell):
     assert cell.why() == Why.NO_POSE
     cell.hear({})
