@@ -30,7 +30,7 @@ from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.gates import all_gates
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.obstacle_sources import all_sources, obstacle_sources_of
-from drake_geom_ros.live.memory import give_back_large_blocks, leave_out_of_searches, settle
+from drake_geom_ros.live.memory import give_back_blocks, leave_out_of_searches, settle
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import begin_with_maps
@@ -252,7 +252,7 @@ def main(args: list[str] | None = None) -> int:
             )
         )
         return 0
-    give_back_large_blocks()
+    give_back_blocks()
     return run_node(SceneGraphNode, (ParameterRefusedError,), args)
 
 

@@ -15,8 +15,8 @@ from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.xml_tree import (
     attribute,
     place_of,
-    read_robot_xml,
     read_xml,
+    robot_xml,
     root_tag,
 )
 
@@ -32,7 +32,8 @@ def robot_name(data: bytes, file: str) -> str:
     Raises SceneFileError for others, and for SDFormat with no model or several.
     """
     if text_format(data) == 'urdf':
-        return attribute(read_robot_xml(data, file), 'name', file)
+        with robot_xml(data, file) as robot:
+            return attribute(robot, 'name', file)
     root = read_xml(data, file, 'sdf')
     models = [*root.iterfind('model'), *root.iterfind('world/model')]
     if len(models) != 1:

@@ -28,7 +28,7 @@ from drake_geom_ros.scene_files.xml_tree import (
     attribute,
     local_name,
     place_of,
-    read_robot_xml,
+    robot_xml,
 )
 
 _DISABLED, _ENABLED = 'disable_collisions', 'enable_collisions'
@@ -79,7 +79,19 @@ def read_srdf(
     an unknown link is skipped with a warning. Raises SceneFileError for a file that is no SRDF,
     and for xacro that was not expanded.
     """
-    root = read_robot_xml(data, file)
+    with robot_xml(data, file) as root:
+        return _semantics_of(root, file, source, robot, links, options)
+
+
+def _semantics_of(
+    root: Any,
+    file: str,
+    source: str,
+    robot: str,
+    links: Collection[str],
+    options: RobotOptions,
+) -> Semantics:
+    """Return the filters of an SRDF by its root element."""
     warnings = list(_not_understood(root, file))
     if (name := attribute(root, 'name', file)) != robot:
         warning = f'the SRDF is of the robot {name!r}, the URDF of {robot!r}'
@@ -115,23 +127,21 @@ def link_groups(data: bytes, file: str, tree: LinkTree) -> dict[str, tuple[str, 
     its chains below the last link that both ends hang on, and those of the groups that it lists.
     Links and joints that the robot does not have are skipped.
     """
-    elements = {
-        attribute(element, 'name', file): element
-        for element in read_robot_xml(data, file).findall('group')
-    }
-    return {
-        name: tuple(link for link in tree.links if link in _links_of(name, elements, tree, file))
-        for name in elements
-    }
+    with robot_xml(data, file) as root:
+        elements = {attribute(each, 'name', file): each for each in root.findall('group')}
+        return {
+            name: tuple(n for n in tree.links if n in _links_of(name, elements, tree, file))
+            for name in elements
+        }
 
 
 def virtual_joints(data: bytes, file: str, links: Collection[str]) -> dict[str, str]:
     """Return the child link of each virtual joint of an SRDF by name, of links of the robot."""
-    elements = read_robot_xml(data, file).findall(_BASE)
-    children = {
-        attribute(each, 'name', file): attribute(each, 'child_link', file).strip()
-        for each in elements
-    }
+    with robot_xml(data, file) as root:
+        children = {
+            attribute(each, 'name', file): attribute(each, 'child_link', file).strip()
+            for each in root.findall(_BASE)
+        }
     return {name: link for name, link in children.items() if link in links}
 
 

@@ -41,7 +41,7 @@ from drake_geom_ros.scene_files.xml_tree import (
     numbers,
     place_of,
     prefix_warning,
-    read_robot_xml,
+    robot_xml,
 )
 
 _IMPLICIT_WORLD = (
@@ -72,7 +72,20 @@ def read_urdf(
     - unknown shapes, bad dimensions and missing mesh files;
     - elements whose meaning is certainly not what would be read.
     """
-    root = read_robot_xml(data, file)
+    with robot_xml(data, file) as root:
+        return _parts_of(root, data, file, source, folder, resolver, options)
+
+
+def _parts_of(
+    root: Any,
+    data: bytes,
+    file: str,
+    source: str,
+    folder: Path,
+    resolver: ResourceResolver,
+    options: RobotOptions,
+) -> RobotParts:
+    """Return the parts of a robot by its root element."""
     robot = attribute(root, 'name', file)
     warnings = encoding_warning(data, root, file) + prefix_warning(root, file)
     warnings += check_vocabulary(root, file)

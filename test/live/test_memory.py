@@ -13,13 +13,13 @@ from drake_geom_ros.live.memory import leave_out_of_searches, settle
 # Small blocks behind the large ones keep heaps from shrinking, as a node's other threads do.
 SCRIPT = """
 from pathlib import Path
-from drake_geom_ros.live.memory import give_back_large_blocks
+from drake_geom_ros.live.memory import give_back_blocks
 
 def memory():
     return 4096 * int(Path('/proc/self/statm').read_text().split()[1])
 
 if {wanted}:
-    assert give_back_large_blocks()
+    assert give_back_blocks()
 first = bytearray(30_000_000)
 del first
 before = memory()
@@ -34,7 +34,11 @@ print(memory() - before)
 
 def kept(wanted):
     """Return how much memory [bytes] a process keeps of 240 MB that it freed."""
-    script = SCRIPT.format(wanted=wanted)
+    return number_of(SCRIPT.format(wanted=wanted))
+
+
+def number_of(script):
+    """Return the number that a script prints."""
     output = subprocess.run(
         [sys.executable, '-c', script], cwd=ROOT, capture_output=True, text=True, check=True
     )
@@ -45,6 +49,35 @@ def kept(wanted):
 def test_freed_blocks_go_back_to_the_system():
     assert kept(False) > 100e6
     assert kept(True) < 20e6
+
+
+# In glibc's heap of the main thread: Python takes blocks of this size from heaps of its own.
+UNMERGED = """
+import ctypes
+from drake_geom_ros.live.memory import give_back_blocks
+
+libc = ctypes.CDLL(None)
+libc.malloc.restype, libc.free.argtypes = ctypes.c_void_p, [ctypes.c_void_p]
+
+class Heap(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_size_t) for name in (
+        'arena', 'ordblks', 'smblks', 'hblks', 'hblkhd', 'usmblks', 'fsmblks', 'uordblks',
+        'fordblks', 'keepcost')]
+
+if {wanted}:
+    assert give_back_blocks()
+libc.mallinfo2.restype = Heap
+blocks = [libc.malloc(64) for _ in range(5000)]  # kept: freeing a large list merges all
+for block in blocks:
+    libc.free(block)
+print(libc.mallinfo2().smblks)
+"""
+
+
+@pytest.mark.processes
+def test_small_blocks_are_merged_when_they_are_freed_and_not_all_at_once_later():
+    assert number_of(UNMERGED.format(wanted=False)) > 4000
+    assert number_of(UNMERGED.format(wanted=True)) == 0
 
 
 class Ring:

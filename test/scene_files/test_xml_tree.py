@@ -9,6 +9,7 @@ from drake_geom_ros.scene_files.xml_tree import (
     place_of,
     prefix_warning,
     read_robot_xml,
+    robot_xml,
 )
 
 
@@ -111,3 +112,14 @@ def test_numbers_of_an_attribute():
     ):
         with pytest.raises(ValueError, match=message):
             numbers(element, name, count)
+
+
+def test_a_tree_is_empty_once_it_is_handed_back():
+    links = ''.join(f'<link name="l{k}"><visual/></link>' for k in range(250))
+    with robot_xml(f'<robot name="r"><a>{links}</a>{links}<b/></robot>'.encode(), 'r') as root:
+        assert len(list(root.iter())) == 1003
+        kept = root[0][0]
+    assert (root.tag, len(root)) == ('robot', 0)
+    assert kept.get('name') == 'l0'
+    with pytest.raises(SceneFileError), robot_xml(b'<robot>', 'r'):
+        pass

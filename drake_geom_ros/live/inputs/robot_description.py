@@ -106,8 +106,9 @@ class RobotInput:
         One that cannot be read is left away: another may still be on its way. ``strict``: it is
         refused. Of one with links that the robot does not have the rest counts, with a warning.
         """
+        name = _name_of(text)
         srdf, note = self._srdf, ', pairs of its SRDF left out'
-        if not srdf or _name_of(srdf) != _name_of(text):
+        if not srdf or _name_of(srdf) != name:
             srdf, note = '', ''
         try:
             robot = self._read(text, srdf)
@@ -118,7 +119,6 @@ class RobotInput:
             self._srdf, note = '', f', without its SRDF: {error}'
         if robot.warnings:
             note += f', {counted(len(robot.warnings), "warning")}'
-        name = _name_of(text)
         source = name if self._topics is None else self._topics.name
         with self._live.editing() as scene:
             is_in = self._is_in(scene)

@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from drake_geom_ros.common.freeing import free_in_pieces
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.live.conversions.scene import fill_scene
 from drake_geom_ros.live.scene.driven_robot import JointEntry
@@ -108,6 +109,9 @@ class SceneTopic:
         now = time.monotonic()
         self._next = now + _PAUSE * (now - start)
         self._did(len(message.geometries), now - start)
+        entries = [*message.frames, *message.geometries, *message.joints]
+        del message
+        free_in_pieces(entries)
 
 
 def _joint(entry: JointEntry, types: Any) -> Any:

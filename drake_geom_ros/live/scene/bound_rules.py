@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from drake_geom_ros.geometry import (
     Role,
     SceneGraphInspector,
 )
+from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules import ProximityRule, ScenePairs, WatchedPairs, Zones
 
 
@@ -78,3 +79,30 @@ def hanging(
             rows_by_frame[frame.get_value()].append(row)
             frame = inspector.GetParentFrame(frame)
     return dict(rows_by_frame)
+
+
+class FlagsOnFrames:
+    """Flags of the geometries that hang on any of some frames, made once for the same frames.
+
+    Each cycle asks for them, and a robot of 4000 links may wait for its poses meanwhile.
+    """
+
+    def __init__(self) -> None:
+        self._frames: Collection[int] = ()
+        self._hanging: Mapping[int, Sequence[int]] | None = None
+        self._flags: Flags = np.zeros(0, dtype=np.bool_)
+
+    def of(
+        self, frames: Collection[int], hanging: Mapping[int, Sequence[int]], count: int
+    ) -> Flags:
+        """Return the flags (count,), which nobody can change.
+
+        ``hanging`` are the rows of geometries by frame, and another object where these change.
+        """
+        if hanging is not self._hanging or frames != self._frames:
+            flags = np.zeros(count, dtype=np.bool_)
+            if frames:
+                flags[[row for frame in frames for row in hanging.get(frame, ())]] = True
+            flags.flags.writeable = False
+            self._frames, self._hanging, self._flags = frames, hanging, flags
+        return self._flags

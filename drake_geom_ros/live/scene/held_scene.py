@@ -26,7 +26,7 @@ from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot, SnapshotMark
 from drake_geom_ros.live.scene.scene_stopping import SceneStopping
 from drake_geom_ros.live.scene.scene_tracked import NAMED_AS_TRACKED, SceneTracked
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
-from drake_geom_ros.live.scene.waiting import Waiting, waiting
+from drake_geom_ros.live.scene.waiting import Waiting, WaitingNames, waiting
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import Gate, LoadedScene, SceneDescription
 
@@ -75,6 +75,7 @@ class HeldScene:
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
         self.gates: tuple[Gate, ...] = ()  # of the node; they outlive a scene that is replaced
         self.replaced = 0  # how often another scene, or other sources, took the place of these
+        self._waiting_names = WaitingNames()
 
     # Changes.
 
@@ -222,8 +223,8 @@ class HeldScene:
 
     def waiting(self) -> Waiting:
         """Return the frames and pairs that wait for a first pose."""
-        absent = self.poses.visitors.absent
-        return waiting(self.query, self.model.names, self.maps.beside_bodies(), absent)
+        beside, absent = self.maps.beside_bodies(), self.poses.visitors.absent
+        return waiting(self.query, self.model.names, beside, absent, self._waiting_names)
 
     def troubles(self) -> list[str]:
         """Return faults of incoming poses, twists and lists, in words."""

@@ -45,6 +45,13 @@ class Oldest(NamedTuple):
         return self._replace(age=self.age + seconds) if self.frame else self
 
 
+class _Unposed(NamedTuple):
+    """The frames of a table, by the values of their ids, that have no pose."""
+
+    names: NameTable
+    frames: frozenset[int]
+
+
 # Since when frames have their poses: those of a message have them since the same moment.
 PosedFrames = Mapping[frozenset[int], Since]
 
@@ -73,6 +80,7 @@ class PoseAges:
         self._declared: dict[int, bool] = {}  # static or expected to move, as the scene says
         self._static: set[int] = set()  # those of them that are static
         self._resting: dict[int, bool | None] = {}  # and what the scene says of the attached ones
+        self._unposed: _Unposed | None = None  # None: to be found
 
     def begin(self, with_poses: Iterable[int], declared: Mapping[int, bool]) -> None:
         """Take over the frames of a scene: which it gives a pose, and what it says of which."""
@@ -92,6 +100,7 @@ class PoseAges:
 
     def wait(self, frames: Iterable[int]) -> None:
         """Know no pose of frames, which wait for one."""
+        self._unposed = None
         for value in frames:
             if (together := self._posed.pop(value, None)) is not None:
                 together.left -= 1
@@ -179,6 +188,8 @@ class PoseAges:
         for frame in frames:
             if (before := self._posed.get(frame)) is not None:
                 before.left -= 1
+            else:
+                self._unposed = None
             self._posed[frame] = together
         self._together[frames] = together
         self._together = {f: each for f, each in self._together.items() if each.left}
@@ -219,12 +230,20 @@ class PoseAges:
         """Return the age [s] of each set of frames that were posed together."""
         return self._clocks.ages_of([each.since for each in self._together.values()])
 
-    def older_than(self, seconds: float, names: NameTable) -> set[int]:
-        """Return the frames whose poses are older [s], or of unknown age; those that wait, too."""
-        if self.oldest(names).age <= seconds:
-            return set()
-        age, posed = self._clocks.ages(), self._posed
-        return {f for f in names.frame_values if f not in posed or age(posed[f].since) > seconds}
+    def older_than(self, seconds: float, names: NameTable) -> frozenset[int]:
+        """Return the frames whose poses are older [s], or of unknown age; those that wait, too.
+
+        The same set while no frame has a pose that is older, and the same ones wait.
+        """
+        old, unposed = self.stale(seconds), self._unposed_of(names)
+        return unposed.union(old) if old else unposed
+
+    def _unposed_of(self, names: NameTable) -> frozenset[int]:
+        """Return the frames of a table that have no pose, found once while they are the same."""
+        if self._unposed is None or self._unposed.names is not names:
+            frames = frozenset(names.frame_values).difference(self._posed)
+            self._unposed = _Unposed(names, frames)
+        return self._unposed.frames
 
     def lag(self) -> float:
         """Return the age [s] of what was noted last; inf: unknown, 0: it does not grow old."""

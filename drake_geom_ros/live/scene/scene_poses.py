@@ -50,6 +50,13 @@ class Place(NamedTuple):
     since: Since
 
 
+class _Waiting(NamedTuple):
+    """The frames that wait for a pose, and the values of their ids."""
+
+    frames: list[FrameId]
+    values: frozenset[int]
+
+
 class ScenePoses:
     """Takes poses and twists of frames; knows their ages, their senders and their past.
 
@@ -67,6 +74,7 @@ class ScenePoses:
         self._model, self._clocks, self._rules, self._log = model, clocks, rules, log
         self.history: PoseHistory | None = None
         self.moved = set[int]()
+        self._waiting = _Waiting([], frozenset())
         self.keep_rows: Callable[[NDArray[np.int64], NDArray[np.float64]], object] | None = None
         self._longest_gap: float | None = None
         self.visitors = SceneVisitors(model, clocks, log)
@@ -270,9 +278,13 @@ class ScenePoses:
 
     def blind_frames(self, stale_after: float) -> Blind:
         """Return the frames whose poses are older [s], never came, or are not to be trusted."""
-        absent = {frame.get_value() for frame in self._model.query.waiting_frames()}
+        frames = self._model.query.waiting_frames()
+        if frames != self._waiting.frames:
+            values = frozenset(frame.get_value() for frame in frames)
+            self._waiting = _Waiting(frames, values)
         stale = self.ages.older_than(stale_after, self._model.names)
-        return Blind(stale, absent, self.contested_frames(), self.ages.of_other_clocks())
+        others = self.contested_frames(), self.ages.of_other_clocks()
+        return Blind(stale, self._waiting.values, *others)
 
     def contested_frames(self) -> set[int]:
         """Return the frames, by the values of their ids, that two senders pose in turn."""

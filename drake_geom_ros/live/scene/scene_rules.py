@@ -23,6 +23,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.live.conversions.names import HEARTBEAT, TRACKED, some_of
 from drake_geom_ros.live.scene.bound_rules import (
     BoundRules,
+    FlagsOnFrames,
     hanging,
     is_same_for_rules,
     narrowed_to,
@@ -35,7 +36,6 @@ from drake_geom_ros.live.scene.measured_pairs import (
 )
 from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen_bodies
 from drake_geom_ros.live.scene.seen_shells import SeenShell, with_shells
-from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules import (
     Event,
     Measured,
@@ -77,6 +77,7 @@ class SceneRules:
         self._version, self._frames_version = GeometryVersion(), -1
         self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
         self._carried: dict[int, NDArray[np.int64]] | None = None  # the same by ids
+        self._flags_of_blind = [FlagsOnFrames() for _ in Blind._fields]
         self._frames = np.zeros(0, dtype=np.int64)  # of each geometry
         # [m] how far geometries reach from the origin of each frame; None: to be found
         self._extents: dict[FrameId, float] | None = None
@@ -408,7 +409,9 @@ class SceneRules:
         farthest: float = math.inf,
         stops: Mapping[str, Stop] | None = None,
     ) -> None:
-        poses = Poses(*map(self._rows, unreliable))
+        count = len(self._monitor.watched.ids)
+        flags = zip(self._flags_of_blind, unreliable, strict=True)
+        poses = Poses(*(each.of(frames, self._hanging, count) for each, frames in flags))
         changes = self._monitor.changes_of_state
         events = self._monitor.decide(now, poses, measured, farthest, stops)
         self._happened += events
@@ -546,13 +549,6 @@ class SceneRules:
         if self._narrowed is None:
             self._narrowed = narrowed_to(query, self._monitor.watched, self._zones)
         return self._narrowed
-
-    def _rows(self, frames: Collection[int]) -> Flags:
-        """Return which geometries (n,) hang on any of some frames."""
-        flags = np.zeros(len(self._monitor.watched.ids), dtype=np.bool_)
-        if frames:
-            flags[[row for frame in frames for row in self._hanging.get(frame, ())]] = True
-        return flags
 
     def _fastest(self, inspector: SceneGraphInspector, twists: Twists | None) -> float:
         """Return a bound [m/s] of how fast any two geometries close.

@@ -66,6 +66,25 @@ def test_a_frame_that_was_never_posed_is_infinitely_old(ages, note):
     assert ages.unknown(NAMES) == []
 
 
+def test_what_is_older_or_waits_is_found_whatever_was_asked_before(ages, clock, note):
+    a, b = A.get_value(), B.get_value()
+    assert ages.older_than(1.0, NAMES) == {a, b}
+    assert ages.older_than(1.0, NAMES) is ages.older_than(2.0, NAMES)
+    assert ages.older_than(1.0, table_of()) == set()
+    note(100.0, A)
+    assert ages.older_than(1.0, NAMES) == {b}
+    clock.now += 2.0
+    assert ages.older_than(1.0, NAMES) == {a, b}
+    assert ages.older_than(3.0, NAMES) == {b}
+    note(102.0, A, B)
+    assert ages.older_than(1.0, NAMES) == set()
+    ages.wait([a])
+    assert ages.older_than(1.0, NAMES) == {a}
+    ages.forget([b])
+    assert ages.older_than(1.0, NAMES) == {a, b}
+    assert ages.older_than(1.0, table_of(**{'s::b': B})) == {b}
+
+
 def test_what_holds_for_ever_is_new(ages, note):
     note(100.0, B)
     ages.note({frozenset([A.get_value()]): ALWAYS}, Plain(sec=1, nanosec=0))
