@@ -58,7 +58,8 @@ def pose_joints(scene: OpenedScene, assignments: Sequence[str]) -> dict[str, flo
         try:
             values[full] = float(number)
         except ValueError:
-            raise SceneFileError(f'{text!r} must be NAME=VALUE', '--joints') from None
+            reason = f'{number!r} is no number' if number else 'it must be NAME=VALUE'
+            raise SceneFileError(f'{text!r}: {reason}', '--joints') from None
         if not math.isfinite(values[full]):
             raise SceneFileError(f'{text!r}: a joint value must be finite', '--joints')
     some = Joints.of(scene.loaded, list(values))

@@ -141,7 +141,8 @@ def points_of_file(path: str) -> NDArray[np.float64]:
             points = np.array(json.loads(text), dtype=np.float64).reshape(-1, 3)
         else:
             rows = list(csv.DictReader(text.splitlines()))
-            points = np.array([[float(row[axis]) for axis in 'xyz'] for row in rows])
+            # A row that ends before a column has nothing there.
+            points = np.array([[float(row[axis] or '') for axis in 'xyz'] for row in rows])
     except (KeyError, TypeError, ValueError) as error:
         reason = f'there is no column {error}' if isinstance(error, KeyError) else str(error)
         raise SceneFileError(

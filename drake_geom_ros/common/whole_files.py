@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import secrets
 import stat
@@ -11,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 _ONLY_FOLDERS = os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC
+# No space, no quota, a file too large, a broken disk.
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
 
 
@@ -25,7 +28,7 @@ def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) ->
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
         encoding = None if 'b' in mode else 'utf-8'
-        with target.open(mode, newline=newline, encoding=encoding) as file:
+        with _naming(path), target.open(mode, newline=newline, encoding=encoding) as file:
             yield file
         return
     try:
@@ -33,10 +36,21 @@ def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) ->
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
-        with replaced(folder, target.name, mode, newline) as file:
+        with _naming(path), replaced(folder, target.name, mode, newline) as file:
             yield file
     finally:
         os.close(folder)
+
+
+@contextlib.contextmanager
+def _naming(path: str | Path) -> Iterator[None]:
+    """Let an error of a file in here name it: one of writing, as on a full disk, names none."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and error.errno in _FULL:
+            error.filename = str(path)
+        raise
 
 
 @contextlib.contextmanager

@@ -393,5 +393,5 @@ def _initialise(args: list[str]) -> None:
     if others:
         raise _BadArgumentsError(
             f'unknown arguments {" ".join(others)!r}; only ROS arguments are accepted, such as '
-            '--ros-args -p scene_file:=FILE'
+            '--ros-args -p NAME:=VALUE (--help lists the parameters)'
         )

@@ -66,6 +66,7 @@ def test_points_come_from_csv_or_json(capsys, tmp_path, name, text):
     [
         ('p.csv', 'x,y\n1,2\n'),
         ('p.csv', 'x,y,z\n1,2,three\n'),
+        ('p.csv', 'x,y,z\n1,2\n'),
         ('p.json', '[1, 2]'),
         ('p.json', '{'),
         ('p.csv', 'x,y,z\n1,2,nan\n'),
@@ -74,7 +75,9 @@ def test_points_come_from_csv_or_json(capsys, tmp_path, name, text):
 def test_points_that_are_none_are_refused(capsys, tmp_path, name, text):
     (tmp_path / name).write_text(text)
     assert main(['query', SCENE, '--what=points', '--points', str(tmp_path / name)]) == 2
-    assert 'point' in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert 'point' in said
+    assert 'NoneType' not in said
 
 
 def test_the_answer_goes_to_a_file(capsys, tmp_path):

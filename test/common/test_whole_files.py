@@ -64,6 +64,17 @@ def test_a_link_is_followed_and_a_pipe_is_written_to(tmp_path):
     assert stat.S_ISFIFO(os.stat(tmp_path / 'pipe').st_mode)
 
 
+@pytest.mark.skipif(not os.path.exists('/dev/full'), reason='a device of Linux')
+def test_a_full_disk_is_told_with_the_name_of_the_file():
+    def fill():
+        with whole_file('/dev/full') as file:
+            file.write('x' * 100_000)
+
+    with pytest.raises(OSError, match='No space left') as full:
+        fill()
+    assert full.value.filename == '/dev/full'
+
+
 def test_a_folder_that_became_a_link_is_not_opened(tmp_path):
     (tmp_path / 'real/inner').mkdir(parents=True)
     os.close(open_folder(tmp_path / 'real/inner'))

@@ -9,8 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import rclpy
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rclpy.validate_topic_name import validate_topic_name
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.program_parser import ProgramParser
@@ -41,6 +43,12 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
     options = parser.parse_args(words)
     if not options.node.startswith('/'):
         options.node = f'/{options.node}'
+    for option, names in (('--node', [options.node]), ('--topic', options.topic)):
+        for name in names:
+            try:
+                validate_topic_name(name)
+            except InvalidTopicNameException as error:
+                parser.error(f'{option} {name!r}: {" ".join(str(error).split())}')
     if options.seconds is not None and not options.seconds > 0.0:
         parser.error(f'--seconds is {options.seconds:g}; it must be positive')
     options.out = options.out or Path(time.strftime('run_%Y%m%d_%H%M%S'))

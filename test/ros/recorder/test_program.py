@@ -163,6 +163,8 @@ def looking(publisher):
         (['--out', '{tmp}'], 'is there already'),
         (['--out', '{tmp}/none/run'], 'there is no folder'),
         (['--seconds', '0'], 'must be positive'),
+        (['--topic', 'a b'], "--topic 'a b': Invalid topic name"),
+        (['--node', 'a b'], "--node '/a b': Invalid topic name"),
     ],
 )
 def test_what_cannot_be_is_refused(words, reason, tmp_path, capsys):
