@@ -294,6 +294,7 @@ EXCEPTIONS = {
     'geometry/meshes/_library.py': 'trimesh',
     'geometry/meshes/_by_trimesh.py': 'trimesh',
     'geometry/meshes/_coarse_hulls.py': 'scipy',  # the hulls of a few vertices, by Qhull
+    'geometry/meshes/_oriented_hull.py': 'scipy',  # the hulls of meshes, by Qhull
     'geometry/meshes/_vtk_file.py': 'meshio',
     'geometry/visualizer/drake_visualizer.py': 'lcm',
     'scene_files/sdf_heightmaps.py': 'PIL',

@@ -17,10 +17,10 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     FLAT_HULL,
 )
 from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes._oriented_hull import blocks_of, oriented_hull
 from drake_geom_ros.math.array_types import Floats, Indices
 
 HULL_EXPONENT = 24  # points are scaled to about 2^24 for hulls
-_BLOCK = 1 << 16  # points, or triangles, that are looked at together
 _CLEAR = 2.0**-20  # ratio of squared extents that no rounding of their sums can make
 
 
@@ -73,8 +73,8 @@ def _is_flat(points: Floats) -> bool:
     decomposition makes three copies of the points.
     """
     centre, squares = points.mean(axis=0), np.zeros((3, 3))
-    for first in range(0, len(points), _BLOCK):
-        block = points[first : first + _BLOCK] - centre
+    for some in blocks_of(len(points)):
+        block = points[some] - centre
         with np.errstate(over='ignore', invalid='ignore'):
             squares += block.T @ block
     least, _, largest = np.linalg.eigvalsh(squares) if np.isfinite(squares).all() else (0, 0, 0)
@@ -106,14 +106,20 @@ def connected_pieces(triangles: Indices, count: int) -> list[Indices]:
 
 
 def _hull(points: Floats) -> tuple[Floats, Indices]:
-    import trimesh
-
+    """Return vertices and triangles of the hull that Qhull finds."""
     # trimesh merges vertices within 1e-8 and drops triangles below 1e-14, which is rounding at
     # this size. Scaling by a power of two is exact.
     exponent = HULL_EXPONENT - math.frexp(float(np.abs(points).max()))[1]
-    hull = trimesh.Trimesh(np.ldexp(points, exponent), process=False).convex_hull
-    vertices = np.ldexp(np.array(hull.vertices, dtype=np.float64), -exponent)
-    return vertices, np.array(hull.faces, dtype=np.int64)
+    scaled = np.ldexp(points, exponent)
+    vertices, triangles = oriented_hull(scaled) or _repaired_hull(scaled)
+    return np.ldexp(vertices, -exponent), triangles
+
+
+def _repaired_hull(points: Floats) -> tuple[Floats, Indices]:
+    import trimesh
+
+    hull = trimesh.Trimesh(points, process=False).convex_hull
+    return np.array(hull.vertices, dtype=np.float64), np.array(hull.faces, dtype=np.int64)
 
 
 def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
@@ -123,18 +129,22 @@ def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
     the segment between two vertices that it shares edges with.
     """
     noise = COPLANAR * EPS * float(np.ptp(vertices, axis=0).max())
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    areas = np.linalg.norm(normals, axis=1)
-    # It is zero for triangles without area, which hulls have where corners are collinear.
-    normals = np.divide(
-        normals, areas[:, None], out=np.zeros_like(normals), where=areas[:, None] > 0.0
-    )
+    normals, areas = np.empty((len(triangles), 3)), np.empty(len(triangles))
+    for some in blocks_of(len(triangles)):
+        a, b, c = (vertices[triangles[some, k]] for k in range(3))
+        crosses = np.cross(b - a, c - a)
+        areas[some] = np.linalg.norm(crosses, axis=1)
+        # It is zero for triangles without area, which hulls have where corners are collinear.
+        sizes = areas[some, None]
+        normals[some] = np.divide(crosses, sizes, out=np.zeros_like(crosses), where=sizes > 0.0)
+    keep = np.ones(len(vertices), dtype=np.bool_)
+    doubtful = _beside_flat_edges(vertices, triangles, normals, noise)
+    if not len(doubtful):
+        return keep
     owners = triangles.ravel()
     order = np.argsort(owners, kind='stable')
     ends = np.searchsorted(owners[order], np.arange(len(vertices) + 1))
-    keep = np.ones(len(vertices), dtype=np.bool_)
-    for vertex in _beside_flat_edges(vertices, triangles, normals, noise).tolist():
+    for vertex in doubtful.tolist():
         around = order[ends[vertex] : ends[vertex + 1]] // 3
         ring = np.setdiff1d(triangles[around], [vertex])
         if not keep[ring].all():
@@ -150,12 +160,23 @@ def _beside_flat_edges(
     vertices: Floats, triangles: Indices, normals: Floats, noise: float
 ) -> Indices:
     """Return the vertices on an edge between two coplanar triangles: only these may be dropped."""
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    order = np.lexsort((edges[:, 1], edges[:, 0]))[: len(edges) // 2 * 2]
+    # An edge is one number, and they are looked at in blocks: all at once they would be the peak
+    # of memory of a large hull.
+    count, keys = len(vertices), np.empty(3 * len(triangles), dtype=np.int64)
+    for k in range(3):
+        one, other = triangles[:, k], triangles[:, (k + 1) % 3]
+        keys[k::3] = np.minimum(one, other) * count + np.maximum(one, other)
+    order = np.argsort(keys, kind='stable')[: len(keys) // 2 * 2]
     first, second = order[::2], order[1::2]
-    apex = vertices[triangles[second // 3, (second % 3 + 2) % 3]]
-    rises = np.abs(((apex - vertices[edges[first, 0]]) * normals[first // 3]).sum(axis=1))
-    return np.unique(edges[first[rises <= noise]])
+    flat = [np.zeros(0, dtype=np.int64)]
+    for some in blocks_of(len(first)):
+        one, other = first[some], second[some]
+        edges = keys[one]
+        apex = vertices[triangles[other // 3, (other % 3 + 2) % 3]]
+        rises = np.abs(((apex - vertices[edges // count]) * normals[one // 3]).sum(axis=1))
+        flat.append(edges[rises <= noise])
+    flat_edges = np.concatenate(flat)
+    return np.unique(np.concatenate((flat_edges // count, flat_edges % count)))
 
 
 def _is_between(arms: Floats, noise: float) -> bool:

@@ -13,8 +13,6 @@ cavity with the opposite orientation.
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,6 +55,10 @@ from drake_geom_ros.math.array_types import Floats, Indices
 
 # Faces of the hull that are tried as separating directions: each visits all vertices of the hull.
 MOST_PLANES = 64
+# Descriptions of welds by mesh and scale, which are queried after packing; the closed surfaces
+# themselves would be a second copy of each mesh.
+_weldings: dict[tuple[MeshKey, tuple[float, ...]], tuple[str, ...]] = {}
+_MOST_WELDINGS = 32
 
 
 def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
@@ -133,16 +135,21 @@ def _packed(
     return parameters
 
 
-@functools.lru_cache(maxsize=4)  # small: welds are queried directly after packing
 def _closed(source: MeshKey, scale: tuple[float, ...]) -> ClosedSurface:
     vertices, triangles = triangles_of(source)
     factors = np.array(scale)
-    return closed_surface(vertices * factors, turned(triangles, factors), name_of(source))
+    surface = closed_surface(vertices * factors, turned(triangles, factors), name_of(source))
+    if len(_weldings) >= _MOST_WELDINGS:
+        _weldings.clear()
+    _weldings[source, scale] = surface.remarks()
+    return surface
 
 
 def weldings_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[str, ...]:
     """Return descriptions of the welds that make a mesh a solid; raises as ``solid_of``."""
-    return _closed(mesh_source(mesh), scale).remarks()
+    source = mesh_source(mesh)
+    remarks = _weldings.get((source, scale))
+    return _closed(source, scale).remarks() if remarks is None else remarks
 
 
 def check_size(vertices: Floats, factors: Floats, name: str) -> None:

@@ -40,8 +40,8 @@ class MeshData:
     __slots__ = ('_key', 'triangles', 'vertices')
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike = ()) -> None:
-        points = np.array(vertices, dtype=np.float64)
-        faces = np.array(triangles, dtype=np.int64)
+        points = np.array(vertices, dtype=np.float64, order='C')
+        faces = np.array(triangles, dtype=np.int64, order='C')
         faces = faces.reshape(-1, 3) if faces.size == 0 else faces
         for name, array in (('vertices', points), ('triangles', faces)):
             if array.ndim != 2 or array.shape[1] != 3:
@@ -57,7 +57,10 @@ class MeshData:
         points.flags.writeable = faces.flags.writeable = False
         self.vertices: Floats = points
         self.triangles: Indices = faces
-        self._key = points.tobytes(), faces.tobytes()
+        # A digest, for the bytes themselves would be the whole mesh once more.
+        digest = hashlib.blake2b(points.data, digest_size=32)
+        digest.update(faces.data)
+        self._key = len(points), digest.digest()
 
     def __eq__(self, other: object) -> bool:
         return self._key == other._key if isinstance(other, MeshData) else NotImplemented

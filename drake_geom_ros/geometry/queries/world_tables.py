@@ -169,12 +169,30 @@ def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
 
 def pooled(packed: list[PackedShape]) -> tuple[Indices, Indices, Floats]:
     """Return types (n,), starts (n + 1,) and the pool of packed shapes."""
-    parameters = [numbers for _, numbers in packed]
-    return (
-        np.array([kind for kind, _ in packed], dtype=np.int64),
-        np.cumsum([0, *map(len, parameters)], dtype=np.int64),
-        np.concatenate([np.zeros(0), *parameters]),
-    )
+    types = np.array([shape.kind for shape in packed], dtype=np.int64)
+    starts = np.cumsum([0, *(len(shape.parameters) for shape in packed)], dtype=np.int64)
+    pool = _pool_around_largest(packed, starts)
+    if pool is None:
+        pool = np.concatenate([np.zeros(0), *(shape.parameters for shape in packed)])
+    return types, starts, pool
+
+
+def _pool_around_largest(packed: list[PackedShape], starts: Indices) -> Floats | None:
+    """Return the pool of packed shapes in the memory of one that fills most of it.
+
+    A copy of a large shape would be the peak of memory. None where no shape is large, and where
+    others hold that memory.
+    """
+    size = int(starts[-1])
+    if size < _LARGE or 2 * (largest := np.diff(starts)).max() <= size:
+        return None
+    row = int(largest.argmax())
+    pool = packed[row].grown(int(starts[row]), size - int(starts[row + 1]))
+    if pool is not None:
+        for k, shape in enumerate(packed):
+            if k != row:
+                pool[starts[k] : starts[k + 1]] = shape.parameters
+    return pool
 
 
 def know_point_shapes(world: World, model: Model) -> None:

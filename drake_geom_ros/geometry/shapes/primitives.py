@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 import math
+import threading
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any, ClassVar, TypeVar
@@ -29,6 +30,8 @@ from drake_geom_ros.math.arrays import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM, FARTHEST
 
 _S = TypeVar('_S', bound='Shape')
+_moving = threading.Lock()  # of the parameters of any shape
+_MOVED_AT_ONCE = 1 << 16  # numbers
 
 
 class PackedShape:
@@ -37,12 +40,52 @@ class PackedShape:
     All holders of a shape share one, so ``parameters`` can be moved to where queries have them.
     """
 
-    __slots__ = ('kind', 'parameters')
+    __slots__ = ('_parameters', 'kind')
 
     def __init__(self, kind: int, parameters: Floats) -> None:
         """Take a number of ``_proximity.kinds``, and the parameters, which never change."""
         self.kind = kind
-        self.parameters = parameters
+        self._parameters: Floats | None = parameters
+
+    @property
+    def parameters(self) -> Floats:
+        """The parameters, read-only."""
+        parameters = self._parameters
+        if parameters is None:  # another thread moves them
+            with _moving:
+                parameters = self._parameters
+                assert parameters is not None
+        return parameters
+
+    @parameters.setter
+    def parameters(self, parameters: Floats) -> None:
+        """Take equal parameters that are elsewhere."""
+        self._parameters = parameters
+
+    def grown(self, before: int, after: int) -> Floats | None:
+        """Return an array with room for numbers ``before`` and ``after`` the parameters.
+
+        It is their own memory, made larger, so that they are there only once. None where somebody
+        else holds that, too.
+        """
+        with _moving:
+            own, self._parameters = self._parameters, None
+            assert own is not None
+            size = len(own)
+            try:
+                own.flags.writeable = True
+                own.resize(before + size + after)  # raises where anything else refers to it
+            except ValueError:
+                own.flags.writeable = False
+                self._parameters = own
+                return None
+            for end in range(before + size, before, -_MOVED_AT_ONCE):
+                first = max(before, end - _MOVED_AT_ONCE)
+                own[first:end] = own[first - before : end - before].copy()
+            moved = own[before : before + size]
+            moved.flags.writeable = False
+            self._parameters = moved
+        return own
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.kind, self.parameters))

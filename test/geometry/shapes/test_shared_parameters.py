@@ -1,6 +1,7 @@
 """A large shape is in memory once: its parameters are those of the tables that queries read."""
 
 import gc
+import threading
 import weakref
 
 import numpy as np
@@ -18,7 +19,9 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
-from drake_geom_ros.geometry.shapes.primitives import for_queries
+from drake_geom_ros.geometry.queries.world_tables import pooled
+from drake_geom_ros.geometry.shapes import primitives
+from drake_geom_ros.geometry.shapes.primitives import PackedShape, for_queries
 from drake_geom_ros.math import RigidTransform
 
 CELLS = np.stack(np.meshgrid(*[np.arange(24.0)] * 3), axis=-1).reshape(-1, 3)
@@ -101,3 +104,50 @@ def test_a_shape_that_fills_little_of_a_pool_keeps_its_own():
     scene.add(cells(), 'more')
     scene.distances()
     assert not np.shares_memory(packed.parameters, scene.query._state.world.geometries.pool)
+
+
+@pytest.mark.parametrize('place', [0, 1, 2])
+@pytest.mark.parametrize('make', [cells, solid])
+def test_a_pool_is_made_in_the_memory_of_its_largest_shape(make, place):
+    large = for_queries(make(), True).in_pairs
+    values, small = large.parameters.copy(), for_queries(Sphere(0.3)).in_pairs
+    own = PackedShape(large.kind, values.copy())
+    packed = [small, small]
+    packed.insert(place, own)
+    types, starts, pool = pooled(packed)
+    assert np.shares_memory(own.parameters, pool)
+    assert not own.parameters.flags.writeable
+    np.testing.assert_array_equal(own.parameters, values)
+    expected = pooled([small if each is small else large for each in packed])
+    for one, other in zip((types, starts, pool), expected, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_parameters_that_somebody_holds_are_copied():
+    values = for_queries(cells()).in_pairs.parameters.copy()
+    held = values[1:]
+    packed = PackedShape(1, values)
+    small = for_queries(Sphere(0.3)).in_pairs
+    _, starts, pool = pooled([small, packed])
+    assert not np.shares_memory(pool, held)
+    np.testing.assert_array_equal(pool[starts[1] : starts[2]][1:], held)
+    np.testing.assert_array_equal(packed.parameters[1:], held)
+
+
+def test_who_reads_parameters_while_they_move_waits():
+    packed = PackedShape(1, np.arange(1e5))
+    reading = threading.Event()
+    read = []
+
+    def reader():
+        reading.set()
+        read.append(packed.parameters)
+
+    thread = threading.Thread(target=reader)
+    with primitives._moving:
+        packed._parameters = None
+        thread.start()
+        reading.wait()
+        packed._parameters = np.arange(1e5)
+    thread.join()
+    np.testing.assert_array_equal(read[0], np.arange(1e5))
