@@ -115,10 +115,11 @@ at 1e-9 m over that at the accuracy, by medians and by means: above 1 is faster.
 largest `error_bound`; of a peer it is the largest difference from the gap at which the bodies were
 placed. Solids are compared with peers that take the same triangles; others take their hulls.
 
-Pairs of two solids gain from 1 mm on, where discs around their triangles decide most, and from 1
-cm on almost nothing else is looked at. Where triangles are much larger than the accuracy, the
-kernel of `exact` answers. Other shapes take the same time at every accuracy, hulls of 500 vertices
-too.
+Pairs of two solids gain most from 1 mm on. Where neither reaches into a dent of the other, the
+gap between their convex hulls decides, within a microsecond once two points are found; elsewhere
+discs around their triangles do. Where triangles are much larger than the accuracy, the kernel of
+`exact` answers. Other shapes take the same time at every accuracy, hulls of 500 vertices too: most
+of it is the call from Python.
 
 The right panel is of two arms ([arms](arms.md)): all distances up to 0.2 m of a state.
 

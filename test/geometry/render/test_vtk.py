@@ -342,6 +342,15 @@ def test_what_is_missing_is_named(monkeypatch):
         MakeRenderEngineVtk()
 
 
+def test_a_driver_that_hangs_is_a_reason_and_no_traceback(monkeypatch):
+    def hang(command, **given):
+        raise subprocess.TimeoutExpired(command, given['timeout'])
+
+    monkeypatch.setattr(probing.importlib.util, 'find_spec', lambda name: name)
+    monkeypatch.setattr(probing.subprocess, 'run', hang)
+    assert 'nothing within 120 s' in probing.why_not.__wrapped__()
+
+
 @pytest.mark.parametrize('wrong', [{'default_label': RenderLabel.kEmpty}])
 def test_parameters_that_are_none_are_refused(wrong):
     with pytest.raises(RuntimeError, match=next(iter(wrong))):

@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 
-_PATIENCE = 60.0  # [s] of a first import, from a slow disk
+_PATIENCE = 120.0  # [s] of a first import, from a slow disk or on a busy machine
 _TELLING = 'drawn'
 # An empty picture suffices, since the creation of the context is what crashes.
 _PROBE = f"""
@@ -36,14 +36,20 @@ def why_not() -> str:
             "vtk is not installed: pip install vtk, or this package with its extra 'vtk'; "
             'MakeRenderEngineExact needs no graphics library'
         )
-    child = subprocess.run(
-        [sys.executable, '-c', _PROBE],
-        env={**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))},
-        capture_output=True,
-        text=True,
-        timeout=_PATIENCE,
-        check=False,
-    )
+    try:
+        child = subprocess.run(
+            [sys.executable, '-c', _PROBE],
+            env={**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))},
+            capture_output=True,
+            text=True,
+            timeout=_PATIENCE,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return (
+            f'VTK has drawn nothing within {_PATIENCE:g} s: the machine is too busy, or its '
+            'driver hangs; try again, or use MakeRenderEngineExact, which needs no such library'
+        )
     if child.returncode == 0 and child.stdout.split('\n')[-2:-1] == [_TELLING]:
         return ''
     missing = [f'{name} ({package})' for name, package in _LIBRARIES.items() if not _opens(name)]

@@ -22,7 +22,6 @@ from drake_geom_ros.geometry._proximity.kernels.solids.pieces import slices_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import Tree, TreeBody
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
-    add_scaled,
     dot,
     rotate,
     sub,
@@ -100,33 +99,6 @@ def separation_of_coins(A: Coin, B: Coin) -> float:
     in_A = B.half * abs(turn) + B.radius * across
     in_B = A.half * abs(turn) + A.radius * across
     return max(d - of_A - of_B, abs(along_A) - A.half - in_A, abs(along_B) - B.half - in_B)
-
-
-@inlined
-def _separation_over(A: Coin, B: Coin, between: Vector) -> float:
-    """Return a lower bound [m] of the distance of A and B by slabs along and across A's normal.
-
-    Both directions are at a right angle, so both gaps are legs of what is between two points.
-    """
-    along, turn = dot(between, A.normal), dot(A.normal, B.normal)
-    height = abs(along) - A.half - B.half * abs(turn) - B.radius * _sine(turn)
-    beside = add_scaled(between, -along, A.normal)
-    w, aside = math.sqrt(dot(beside, beside)), 0.0
-    if w > A.radius:
-        tilt = dot(beside, B.normal) / w
-        aside = max(w - A.radius - B.half * abs(tilt) - B.radius * _sine(tilt), 0.0)
-    height = max(height, 0.0)
-    return math.sqrt(height * height + aside * aside)
-
-
-@inlined
-def separation_beside(A: Coin, B: Coin) -> float:
-    """Return a lower bound [m] as ``separation_of_coins``, larger for coins beside each other.
-
-    It takes twice as long.
-    """
-    between = sub(B.middle, A.middle)
-    return max(_separation_over(A, B, between), _separation_over(B, A, between))
 
 
 def put_coins(coins: Floats, corners: Floats, starts: NDArray[np.int64]) -> None:

@@ -27,7 +27,6 @@ from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
     COIN_WIDTH,
     Coin,
     put_coins,
-    separation_beside,
     separation_of_coins,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.packing import leaf_bounds
@@ -146,7 +145,6 @@ def test_no_points_of_coins_are_nearer_than_their_separation(seed, flat):
     separation = separation_of_coins(*coins)
     apart = np.linalg.norm(clouds[0][:, None] - clouds[1][None], axis=2).min()
     assert separation <= apart + 1e-12
-    assert separation_beside(*coins) <= apart + 1e-12
     assert separation_of_coins(*coins[::-1]) == pytest.approx(separation, abs=1e-12)
 
 
@@ -156,8 +154,6 @@ def test_coins_that_face_each_other_are_as_far_as_they_are():
     assert separation_of_coins(below, above) == pytest.approx(0.047, abs=1e-7)
     beside = Coin((5.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.001, 1.0)
     assert separation_of_coins(below, beside) == pytest.approx(3.0, abs=1e-7)
-    aslant = Coin((5.0, 0.0, 4.003), (0.0, 0.0, 1.0), 0.002, 1.0)
-    assert separation_beside(below, aslant) == pytest.approx(5.0, abs=1e-7)
 
 
 @pytest.mark.parametrize('length', [1e-3, 0.25, 0.3, 1.0, 3.7e-9])
@@ -210,6 +206,41 @@ def test_bounds_hold_the_distance_of_dents_pins_and_thin_walls(seed, gap, size, 
     check_rows(a, b, size)
 
 
+def pair_of_balls(apart):
+    """Return two balls with dents, of radius 0.1 m, as one solid of two surfaces."""
+    ball = ADVERSE['Ball']()
+    shifts = np.array([[-0.5 * apart, 0.0, 0.0], [0.5 * apart, 0.0, 0.0]])
+    vertices = np.vstack([ball.size + shift for shift in shifts])
+    triangles = np.vstack([ball.triangles, ball.triangles + len(ball.size)])
+    return Body('Solid', vertices, triangles=triangles)
+
+
+@settings(max_examples=EXAMPLES // 3)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    gap=st.sampled_from([None, 1e-6, 1e-3, 0.03]),
+    apart=st.sampled_from([0.4, 0.6]),
+)
+def test_bounds_hold_the_distance_of_several_surfaces(seed, gap, apart):
+    """Some of these are between the two others, where a slab between hulls decides nothing."""
+    rng = np.random.default_rng(seed)
+    a = pair_of_balls(apart).placed(random_rotation(rng), np.zeros(3))
+    b = ADVERSE[rng.choice(['Ball', 'L', 'pin'])]()
+    b = b.placed(random_rotation(rng), rng.uniform(0.0, 0.4) * random_directions(rng, 1)[0])
+    if gap is not None:
+        out = row_to(a, b, 0.0)
+        b = b.at(b.p + (out[DISTANCE] - gap) * out[NORMAL : NORMAL + 3])
+    check_rows(a, b, 1.0)
+
+
+def test_a_solid_of_two_surfaces_takes_less_than_exact_where_nothing_is_between_them():
+    a, b = pair_of_balls(0.5), ADVERSE['Ball']()
+    beside = row_to(a, b.at(np.array([0.25, 0.0, 0.4])), 0.03)
+    assert beside[ERROR_BOUND] > 1e-3
+    b = b.at(np.array([0.0, 0.02, 0.0]))
+    assert (row_to(a, b, 0.03) == row_to(a, b, 0.0)).all()
+
+
 def pin():
     """Return a plate with a spike 0.1 m long and 10 um thick: its faces are needles."""
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
@@ -241,9 +272,16 @@ ADVERSE = {
 
 def test_where_nothing_is_gained_the_kernel_of_exact_answers():
     a = mesh_body('Ball', 100)
-    b = mesh_body('L', 100).at(np.array([0.4, 0.1, 0.0]))
+    b = mesh_body('L', 100).at(np.array([-0.15, -0.15, 0.0]))
     exact = row_to(a, b, 0.0)
     assert (row_to(a, b, 0.99 * COARSE) == exact).all()
-    # Its triangles are larger than a millimetre by far.
+    # The ball is in the dent of the L, whose triangles are larger than a millimetre by far.
     assert (row_to(a, b, 1e-3) == exact).all()
     assert row_to(a, b, 1e-2)[ERROR_BOUND] > 1e-3 > 1e-9 > exact[ERROR_BOUND]
+
+
+def test_hulls_that_are_apart_decide_whatever_the_size_of_triangles():
+    a = mesh_body('Ball', 100)
+    b = mesh_body('L', 100).at(np.array([0.4, 0.1, 0.0]))
+    for accuracy in (COARSE, 1e-4, 1e-3, 1e-2):
+        assert 0.25 * accuracy <= row_to(a, b, accuracy)[ERROR_BOUND] <= accuracy
