@@ -40,6 +40,17 @@ def test_joints_limits_and_links_are_those_of_the_file(arm):
     assert (arm.lower[3], arm.upper[3], arm.max_speed[3]) == (-3.0718, -0.0698, 2.175)
 
 
+def test_values_beyond_those_of_the_tree_move_no_link(arm):
+    needs = arm.tree.needs()
+    assert needs.shape == (13, 8)
+    assert needs[:, 0].tolist() == [False] + [True] * 12
+    assert np.array_equal(arm.tree.needs(3), needs)
+    wider = arm.tree.needs(10)
+    assert np.array_equal(wider[:, :8], needs)
+    assert not wider[:, 8:].any()
+    assert wider.shape == (13, 10)
+
+
 def test_a_batch_is_its_configurations_one_by_one_on_the_base(arm):
     q = _random_q(arm, 6).reshape(2, 3, -1)
     X_WB = np.array([[0.0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])

@@ -52,9 +52,12 @@ class JointTree:
         moved: NDArray[np.bool_] = np.any(self.needs(), axis=1)
         return np.logical_not(moved)
 
-    def needs(self) -> NDArray[np.bool_]:
-        """Return (m + 1, c), True where a joint value moves a link relative to the root."""
-        columns = 1 + int(self.leaders.max(initial=-1))
+    def needs(self, columns: int = 0) -> NDArray[np.bool_]:
+        """Return (m + 1, c), True where a joint value moves a link relative to the root.
+
+        With ``columns`` there are at least so many, for values that move no link, too.
+        """
+        columns = max(columns, 1 + int(self.leaders.max(initial=-1)))
         needs = np.zeros((len(self.parents) + 1, columns), dtype=np.bool_)
         held = (self.kinds == JointKind.FIXED) | (self.leaders < 0)
         rows = zip(self.parents, self.children, held, self.leaders, strict=True)

@@ -103,9 +103,7 @@ class DrivenRobot:
         self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
         self.root_value = None if self.root is None else self.root.get_value()
         # Rows of all links of the tree: those between the parts of a planar joint have no name.
-        self._needs = np.zeros((len(self.tree.parents) + 1, len(self.joint_names)), dtype=np.bool_)
-        needs = self.tree.needs()
-        self._needs[:, : needs.shape[1]] = needs
+        self._needs = self.tree.needs(len(self.joint_names))
         ids = [frames.get((robot.name, name)) for name in names]
         # The root is posed by others, and a link called as the world is no frame.
         self.links = {
