@@ -54,13 +54,16 @@ _OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding', '
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
-    """Return the scene description of a document; paths in it count from ``folder``.
+    """Return the scene description of a document, and empty that.
 
-    Raises SceneFileError for a document that violates the schema, for values that a pose, a shape
-    or a property refuses, for files that cannot be found or read, and for unknown names.
+    Paths in it count from ``folder``. Raises SceneFileError for a document that violates the
+    schema, for values that a pose, a shape or a property refuses, for files that cannot be found
+    or read, and for unknown names.
     """
     check_schema(document, scene_schema())
-    return _SceneParser(document, folder, resolver).parse()
+    description = _SceneParser(document, folder, resolver).parse()
+    document.free()
+    return description
 
 
 class _SceneParser:

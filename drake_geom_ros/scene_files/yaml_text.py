@@ -17,6 +17,7 @@ from typing import Any
 
 import yaml
 
+from drake_geom_ros.common.freeing import free_in_pieces
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
 
 # A scene of 5000 geometries takes 1.5 MB.
@@ -71,6 +72,16 @@ class Document:
         while present not in self.lines:
             present = present[:-1]
         return Location(self.file, self.lines[present], key_text(path))
+
+    def free(self) -> None:
+        """Empty a document that is read, in pieces: in one go 16 000 bodies take 27 ms."""
+        sections = [each for each in self.value.values() if isinstance(each, list)]
+        items = [item for section in sections for item in section]
+        del sections
+        self.value.clear()
+        free_in_pieces(items)
+        while self.lines:
+            self.lines.popitem()
 
 
 @dataclass

@@ -161,3 +161,14 @@ def test_reads_what_pyyaml_writes(value):
     assert set(read.lines.values()) <= set(range(1, text.count('\n') + 2))
     if isinstance(value, float):
         assert math.copysign(1, read.value['v']) == math.copysign(1, value)
+
+
+def test_an_emptied_document_leaves_alone_what_others_have_of_it():
+    document = read_yaml(
+        'name: cell\nframes:\n- {name: a, pose: [1, 2]}\n- {name: b}', 'cups.yaml'
+    )
+    first, frames = document.value['frames'][0], document.value['frames']
+    document.free()
+    assert (document.value, document.lines) == ({}, {})
+    assert first == {'name': 'a', 'pose': [1, 2]}
+    assert frames == [first, {'name': 'b'}]
