@@ -165,6 +165,7 @@ def turning_arm() -> Iterator[None]:
     finally:
         over.set()
         thread.join()
+        node.destroy_node()
         rclpy.shutdown()
 
 

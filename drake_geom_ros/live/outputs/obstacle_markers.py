@@ -2,7 +2,7 @@
 
 Namespaces are ``obstacles::NAME``, ``shell::NAME`` (seen beside bodies, in no distance) and
 ``shadow::NAME`` (cells of the map that a body hides from the sensor). Cells are coloured by age:
-green while they are new, orange where the map is about to be stale, and red beyond.
+blue while they are new, orange where the map is about to be stale, and red beyond.
 """
 
 from __future__ import annotations

@@ -32,6 +32,7 @@ _PERIOD = 0.04
 _LOOKS = 0.1  # [s] between two checks for changes of the scene from outside
 _TABLE_PERIOD = 0.25  # [s] between two updates of the tables, since nobody reads faster
 _MOST_SHOWN = 5  # troubles in the status
+_AMBIENT = 1.2  # intensity of the light from all sides
 
 
 class Page:
@@ -79,6 +80,8 @@ class Page:
         # each frame; lights without them show shapes as well.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(cast_shadow=False)
+        # Without it, sides that no lamp reaches are black, whatever their colour.
+        server.scene.add_light_ambient('/ambient', intensity=_AMBIENT)
         self.motion = None
         if self.local is not None:
             self.motion = MotionControl(server, self.local, self.touch, joints, timeline, plotted)
