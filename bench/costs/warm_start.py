@@ -42,6 +42,13 @@ load_scene('scenes/two_pandas.yaml', scene_graph)
 query = scene_graph.get_query_output_port().Eval(scene_graph.CreateDefaultContext())
 query.ComputeSignedDistancePairwiseClosestPoints(0.3)
 """
+QUERY = """
+import os
+import sys
+from drake_geom_ros.programs import drake_geom_ros
+sys.argv[1:] = ['query', 'scenes/two_pandas.yaml', '--max-distance', '0.3', '--out', os.devnull]
+sys.exit(drake_geom_ros())
+"""
 NODE = """
 import rclpy
 from drake_geom_ros.ros.scene_graph_node import SceneGraphNode
@@ -73,6 +80,7 @@ STEPS = {
     'import drake_geom_ros.geometry': 'import drake_geom_ros.geometry',
     'first answer of two boxes': PAIR,
     'first answer of two arms': ARMS,
+    'drake_geom_ros query of two arms': QUERY,
 }
 WITH_NODE = {'node of two arms configured': NODE, 'process of sensors ready': SENSORS}
 
