@@ -88,7 +88,7 @@ class FlagsOnFrames:
     """
 
     def __init__(self) -> None:
-        self._frames: Collection[int] = ()
+        self._frames = frozenset[int]()
         self._hanging: Mapping[int, Sequence[int]] | None = None
         self._flags: Flags = np.zeros(0, dtype=np.bool_)
 
@@ -99,10 +99,10 @@ class FlagsOnFrames:
 
         ``hanging`` are the rows of geometries by frame, and another object where these change.
         """
-        if hanging is not self._hanging or frames != self._frames:
+        if hanging is not self._hanging or frozenset(frames) != self._frames:
             flags = np.zeros(count, dtype=np.bool_)
             if frames:
                 flags[[row for frame in frames for row in hanging.get(frame, ())]] = True
             flags.flags.writeable = False
-            self._frames, self._hanging, self._flags = frames, hanging, flags
+            self._frames, self._hanging, self._flags = frozenset(frames), hanging, flags
         return self._flags

@@ -58,6 +58,10 @@ def test_flags_hang_on_frames_and_rows_alone():
     assert flags.of({}, {8: [0]}, 1).tolist() == [False]
     assert first.tolist() == [True, False, True]
     assert not first.flags.writeable
+    growing = {8}
+    flags.of(growing, rows, 3)
+    growing.add(7)  # a set that its owner changes is another one
+    assert flags.of(growing, rows, 3).all()
 
 
 def test_a_scene_names_who_waits_now():
