@@ -75,7 +75,7 @@ class PackedShape:
             try:
                 own.flags.writeable = True
                 own.resize(before + size + after)  # raises where anything else refers to it
-            except ValueError:
+            except (ValueError, MemoryError):
                 own.flags.writeable = False
                 self._parameters = own
                 return None

@@ -151,3 +151,10 @@ def test_who_reads_parameters_while_they_move_waits():
         packed._parameters = np.arange(1e5)
     thread.join()
     np.testing.assert_array_equal(read[0], np.arange(1e5))
+
+
+def test_where_there_is_no_memory_a_shape_keeps_its_parameters():
+    shape = PackedShape(1, np.arange(5.0))
+    assert shape.grown(0, 1 << 45) is None
+    assert shape.parameters.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert not shape.parameters.flags.writeable
