@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import rclpy
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs.msg import SignedDistancePairs
 from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
@@ -92,10 +93,12 @@ class Maps:
     def __init__(self, pid: int, lidars: int = 0) -> None:
         self.delays: dict[float, float] = {}
         self._lidars = lidars
+        self._words = ''  # of the node about its cloud
         self._pid = pid  # of the node
 
     def route(self, node: Node, server: str) -> Route:
         """Return a route whose answers are looked at."""
+        node.create_subscription(DiagnosticArray, '/diagnostics', self._hear, 10)
         return _MapRoute(self.delays, node, server)
 
     @contextmanager
@@ -114,6 +117,12 @@ class Maps:
         tell(TAKEN, found, int((end - begin) * RATE))
         node, *its = (f'{100.0 * share:.0f} %' for share in shares)
         print(f'    of a processor the node used {node}, and processes that it started {its}')
+        print(f'    by its diagnostics, of all turns: {self._words}')
+
+    def _hear(self, message: DiagnosticArray) -> None:
+        values = (each for status in message.status for each in status.values)
+        words = next((v.value for v in values if v.key == 'obstacles points'), self._words)
+        self._words = words.partition(';')[0]
 
     def _scans(self) -> AbstractContextManager[None]:
         """Let scans be sent meanwhile, if there are lidars."""

@@ -10,7 +10,7 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
-from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.conversions.arrivals import Gaps, MessageInfo, publisher_of, waited
 from drake_geom_ros.live.conversions.misread_numbers import refuse_misread_numbers
 from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.guard import Guard
@@ -254,7 +254,8 @@ class ObstacleListening:
         for name, each in self.inputs.items():
             counts = each.counts
             values[f'obstacles {name}'] = (
-                f'{counts.taken} messages taken; of the last one {counts.points} points, '
+                f'{counts.taken} messages taken, {counts.missed} lost or replaced by newer ones '
+                f'before they were; of the last one {counts.points} points, '
                 f'{counts.not_finite} not finite, {counts.out_of_reach} out of reach, '
                 f'{counts.on_bodies} on bodies that the scene knows, {counts.in_shell} beside '
                 f'them, which rules take for near, {counts.out_of_box} beyond '
@@ -279,7 +280,7 @@ class ObstacleListening:
     def _listen(self, source: ObstacleSource) -> Subscription[Any]:
         """Open the topic of a source that sends maps."""
         told_as, profile = source.topic.removeprefix('~/'), _profile(source)
-        its_map = self.inputs[source.name]
+        its_map, gaps = self.inputs[source.name], Gaps()
         is_tree = source.type == OCTOMAP
         take = its_map.take_octomap if is_tree else its_map.take_grid
 
@@ -300,7 +301,10 @@ class ObstacleListening:
                     told_as, str(error) if foreseen else f'internal error: {error!r}'
                 )
 
-            self._late.take(source.name, attempt, refuse, profile.depth)
+            missed = gaps.before(info)
+            missed += self._late.take(source.name, attempt, refuse, profile.depth)
+            if missed:
+                its_map.miss(missed)
 
         return self._surface.subscription(
             topics.OCTOMAP.type() if is_tree else message_class(_GRID),

@@ -42,20 +42,24 @@ class LateMessages:
         attempt: Callable[[], object],
         refuse: Callable[[Exception], object],
         depth: int = 1,
-    ) -> None:
+    ) -> int:
         """Take a message by ``attempt()``, now or, where that raises UnknownYetError, later.
 
-        Behind a message that waits, the newest ``depth`` of its topic are kept. Another exception,
-        or the last UnknownYetError, goes to ``refuse``; one of the connection is raised.
+        Behind a message that waits, the newest ``depth`` of its topic are kept; return how many
+        others were dropped for this one. Another exception, or the last UnknownYetError, goes to
+        ``refuse``; one of the connection is raised.
         """
+        dropped = 0
         waiting = _Waiting(attempt, refuse, self._now())
         queue = self._queues.get(topic)
         if queue is not None:
             while len(queue) > depth:  # the first one waits, the others are behind it
                 del queue[1]
+                dropped += 1
             queue.append(waiting)
         elif not self._is_done(waiting):
             self._queues[topic] = deque([waiting])
+        return dropped
 
     def retry(self) -> None:
         """Take what waits, as far as it is possible by now."""

@@ -61,6 +61,7 @@ class MapCounts:
     """Counts of the messages of a map, and of the points of the last one."""
 
     taken: int = 0
+    missed: int = 0  # lost on their way, or replaced by newer ones before they were taken
     seconds: float = 0.0  # that the last one took, from its callback until it was in the scene
     points: int = 0
     not_finite: int = 0

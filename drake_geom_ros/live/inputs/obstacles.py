@@ -107,6 +107,11 @@ class ObstacleInput:
         self._feeds = MapFeeds(live.clocks)
         self._held: dict[Feed, Held] = {}  # by sensor
 
+    def miss(self, messages: int) -> None:
+        """Count messages that were lost, or replaced by newer ones."""
+        with self._live.reading():
+            self.counts = replace(self.counts, missed=self.counts.missed + messages)
+
     def forget(self) -> None:
         """Discard earlier messages and the one being processed; the scene is held."""
         self._generation += 1
@@ -354,7 +359,8 @@ class ObstacleInput:
         def done() -> None:
             self._feeds = feeds
             taken, seconds = self.counts.taken + 1, time.perf_counter() - begun.start
-            self.counts = replace(counts, taken=taken, seconds=seconds)
+            missed = self.counts.missed
+            self.counts = replace(counts, taken=taken, missed=missed, seconds=seconds)
 
         with self._live.editing() as scene:
             first(scene)

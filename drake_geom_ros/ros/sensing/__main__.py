@@ -20,7 +20,7 @@ from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, Range
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.conversions.arrivals import Gaps, MessageInfo, publisher_of, waited
 from drake_geom_ros.live.conversions.serialized_cloud import (
     Header,
     Stamp,
@@ -41,6 +41,7 @@ from drake_geom_ros.ros.sensing.protocol import (
     SCAN,
     Begin,
     Finish,
+    MissedMessages,
     RefusalReason,
     RefusedMessage,
     SensorTopic,
@@ -127,7 +128,7 @@ class _Listening:
         if point_taker is None:
             point_taker = PointTaker(_MapOfNode(self._pipe, topic.input))
             self._takers[topic.input] = point_taker
-        take = _take(topic.kind, point_taker)
+        take, gaps = _take(topic.kind, point_taker), Gaps()
 
         def refuse(error: Exception) -> None:
             foreseen = isinstance(error, RuntimeError)
@@ -138,7 +139,10 @@ class _Listening:
             def attempt() -> None:
                 take(raw, waited(info), publisher_of(info))
 
-            self.late.take(_key(topic), attempt, refuse, topic.depth)
+            missed = gaps.before(info)
+            missed += self.late.take(_key(topic), attempt, refuse, topic.depth)
+            if missed and topic.kind != CAMERA:  # whose messages make no map
+                self._pipe.send(MissedMessages(topic.input, missed))
 
         profile = QoSProfile(
             history=HistoryPolicy(topic.history),

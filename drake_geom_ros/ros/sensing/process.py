@@ -27,6 +27,7 @@ from drake_geom_ros.ros.sensing.protocol import (
     COMPILING,
     Begin,
     Finish,
+    MissedMessages,
     RefusalReason,
     RefusedMessage,
     SensorTopic,
@@ -57,6 +58,9 @@ class PatientMap(Protocol):
 
     def finish(self, taken: Found) -> None:
         """Do as ``Map.finish``."""
+
+    def miss(self, messages: int) -> None:
+        """Count messages that were lost, or replaced by newer ones."""
 
 
 class Listener(Protocol):
@@ -200,6 +204,9 @@ class SensingProcess:
             node_end.send(refusal)
         elif isinstance(said, RefusedMessage):
             self._listener.refused(said.told_as, said.reason)
+        elif isinstance(said, MissedMessages):
+            if said.input in self._maps:  # it was not removed meanwhile
+                self._maps[said.input].miss(said.messages)
         elif said == ALIVE:
             with self._lock:
                 topics = self._task.topics if self._has_other_topics else None

@@ -2,7 +2,8 @@
 
 The process receives its ``Task``. For each message it sends a ``Begin``, which is answered by a
 ``Place`` or a ``RefusalReason``, and a ``Finish``, which is answered by None or a
-``RefusalReason``. It reports its own refusals by ``RefusedMessage``, which is not answered. Now
+``RefusalReason``. It reports its own refusals by ``RefusedMessage``, and messages that it never
+had by ``MissedMessages``, which are not answered. Now
 and then it sends ``ALIVE``: the answer is the topics to listen to from now on, or None where these
 are as before. While it may compile it sends ``COMPILING``, which is not answered.
 """
@@ -65,6 +66,13 @@ class RefusedMessage(NamedTuple):
 
     told_as: str
     reason: str
+
+
+class MissedMessages(NamedTuple):
+    """Messages of a map were lost, or replaced by newer ones before they were taken."""
+
+    input: str
+    messages: int
 
 
 class RefusalReason(NamedTuple):

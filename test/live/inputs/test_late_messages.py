@@ -13,7 +13,7 @@ class Sensor:
 
     def __init__(self, late, clock, topic, known=()):
         self.late, self.clock, self.topic, self.known = late, clock, topic, known
-        self.taken, self.refused = [], []
+        self.taken, self.refused, self.dropped = [], [], 0
 
     def send(self, k, depth=1):
         def attempt():
@@ -21,7 +21,8 @@ class Sensor:
                 raise UnknownYetError('later')
             self.taken.append(k)
 
-        self.late.take(self.topic, attempt, lambda error: self.refused.append(k), depth)
+        refuse = self.refused.append
+        self.dropped += self.late.take(self.topic, attempt, lambda error: refuse(k), depth)
 
 
 def test_a_sensor_whose_poses_never_come_delays_no_other():
@@ -37,6 +38,9 @@ def test_a_sensor_whose_poses_never_come_delays_no_other():
         assert good.taken == list(range(k + 1))
     assert lost.taken == []
     assert lost.refused == [0]  # after 0.5 s; of those behind it the newest is left
+    assert lost.dropped + len(lost.refused) < 9
+    assert lost.dropped > 0
+    assert good.dropped == 0
     assert len(late) == 1
     late.forget('lost')
     assert len(late) == 0

@@ -6,12 +6,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace as Plain
 
 import pytest
 
 from drake_geom_ros.ros.sensing import process as tested
 from drake_geom_ros.ros.sensing.process import SensingProcess
-from drake_geom_ros.ros.sensing.protocol import Task
+from drake_geom_ros.ros.sensing.protocol import MissedMessages, Task
 
 pytestmark = pytest.mark.processes
 
@@ -195,3 +196,11 @@ def test_one_that_compiles_for_long_is_let_alone(heard, monkeypatch, tmp_path):
     assert len(signs) > 3
     assert (sensing.starts, heard.told) == (1, [])
     sensing.close()
+
+
+def test_messages_that_it_never_had_are_counted_for_their_map(sensing):
+    missed = []
+    sensing.listen_to((), {'scan': Plain(miss=missed.append)})
+    for name in ('scan', 'removed', 'scan'):
+        sensing._answer(None, MissedMessages(name, len(missed) + 2))
+    assert missed == [2, 3]
