@@ -238,14 +238,14 @@ class RuleEvents:
 
     def _tell_stops(self, scene: HeldScene) -> None:
         """Publish whether robots can stop, and how fast they may go."""
-        stops = scene.rules.stops
+        stops, moment = scene.rules.stops, scene.moment()
         if self._topics.speed_limit.get_subscription_count():
             limits = self._types.SpeedLimits()
-            scene.moment().stamp_poses(limits)
+            moment.stamp_poses(limits)
             fill_speed_limits(limits, stops)
             self._topics.speed_limit.publish(limits)
         if self._topics.stopping.get_subscription_count():
-            message, moment = self._types.Stopping(), scene.moment()
+            message = self._types.Stopping()
             moment.stamp_header(message)
             message.scene_version = moment.version
             fill_stopping(message, stops, scene.model.names.name_of_value)

@@ -45,6 +45,34 @@ class _Prepared(NamedTuple):
         return same and self.rules == other.rules and self.robots == other.robots
 
 
+class _PosedFrames(NamedTuple):
+    """The frames (f,) with geometries that no joints pose, and what hangs on each.
+
+    Geometry ``rows[k]`` of a check hangs on frame ``of[k]`` of these. They were found for
+    ``prepared``, among ``geometries`` by frame.
+    """
+
+    prepared: _Prepared
+    geometries: Mapping[int, NDArray[np.int64]]
+    frames: tuple[int, ...]
+    rows: NDArray[np.int64]
+    of: NDArray[np.int64]
+
+    @classmethod
+    def among(
+        cls, prepared: _Prepared, geometries: Mapping[int, NDArray[np.int64]]
+    ) -> _PosedFrames:
+        driven, ids = _links_of(prepared.robots), prepared.check.ids
+        rows = {
+            frame: np.searchsorted(ids, some)
+            for frame, some in geometries.items()
+            if frame not in driven
+        }
+        of = np.repeat(np.arange(len(rows)), [len(some) for some in rows.values()])
+        all_rows = np.concatenate([np.zeros(0, dtype=np.int64), *rows.values()])
+        return cls(prepared, geometries, tuple(rows), all_rows, of)
+
+
 class _Asked(NamedTuple):
     """The arguments of a check."""
 
@@ -68,6 +96,7 @@ class SceneStopping:
         self._model, self._poses, self._rules = model, poses, rules
         self._prepared: _Prepared | None = None
         self._asked: _Asked | None = None  # by the last decision
+        self._posed: _PosedFrames | None = None
 
     def stops(
         self, twists: Twists | None, stale_after: float, delay: float, sensed: Sensed
@@ -80,12 +109,12 @@ class SceneStopping:
         """
         rules = tuple(rule for rule in self._rules.rules if rule.level == Level.STOPPABLE)
         if not rules:
-            self._prepared = self._asked = None
+            self._prepared = self._asked = self._posed = None
             return None
         robots = tuple(self._model.joints.robots.values())
         prepared = self._prepared_for(rules, robots)
         states = self._states(robots, twists or {}, stale_after)
-        ages = self._ages(prepared.check.ids, robots)
+        ages = self._ages(prepared)
         unmapped = finding_unmapped(self._rules, self._model.query, rules, sensed)
         self._asked = _Asked(prepared, states, ages, delay, unmapped)
         return self._asked.answers(states)
@@ -161,16 +190,15 @@ class SceneStopping:
             if frame not in driven and since(frame) == ALWAYS
         )
 
-    def _ages(self, ids: NDArray[np.int64], robots: Sequence[DrivenRobot]) -> Floats:
+    def _ages(self, prepared: _Prepared) -> Floats:
         """Return the age [s] (n,) of the pose of each geometry that does not follow joints."""
-        ages, driven = np.zeros(len(ids)), _links_of(robots)
-        age = self._poses.ages_now()
-        for frame, geometries in self._rules.frames_with_geometries().items():
-            if frame not in driven:
-                since = self._poses.ages.since(frame)
-                seconds = math.inf if since is None else age(since)
-                rows = np.searchsorted(ids, geometries)
-                ages[rows] = np.maximum(ages[rows], seconds)
+        geometries, posed = self._rules.frames_with_geometries(), self._posed
+        if posed is None or posed.prepared is not prepared or posed.geometries is not geometries:
+            self._posed = posed = _PosedFrames.among(prepared, geometries)
+        ages, age = np.zeros(len(prepared.check.ids)), self._poses.ages_now()
+        sinces = map(self._poses.ages.since, posed.frames)
+        of_frames = np.array([math.inf if since is None else age(since) for since in sinces])
+        np.maximum.at(ages, posed.rows, of_frames[posed.of])
         return ages
 
     def _states(
