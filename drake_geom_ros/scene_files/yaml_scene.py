@@ -54,7 +54,7 @@ _OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding', '
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
-    """Return the scene description of a document, and empty that.
+    """Return the scene description of a document, and empty that where all of it is read.
 
     Paths in it count from ``folder``. Raises SceneFileError for a document that violates the
     schema, for values that a pose, a shape or a property refuses, for files that cannot be found
@@ -62,7 +62,8 @@ def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) ->
     """
     check_schema(document, scene_schema())
     description = _SceneParser(document, folder, resolver).parse()
-    document.free()
+    if not description.awaited:  # filters that wait for other sources are read later
+        document.free()
     return description
 
 

@@ -67,9 +67,12 @@ class Document:
     tags: dict[KeyPath, str] = field(default_factory=dict)
 
     def at(self, *path: str | int) -> Location:
-        """Return the place of a part; if it is missing, the line of the nearest enclosing one."""
+        """Return the place of a part; if it is missing, the line of the nearest enclosing one.
+
+        Raises KeyError for a document that was emptied.
+        """
         present = path
-        while present not in self.lines:
+        while present and present not in self.lines:
             present = present[:-1]
         return Location(self.file, self.lines[present], key_text(path))
 

@@ -1,10 +1,11 @@
-"""What a scene imports: meshes bring trimesh, nothing else does."""
+"""What a scene imports: files of meshes bring trimesh, nothing else does."""
 
 import os
 import subprocess
 import sys
 
 import pytest
+import trimesh
 from conventions.source_tree import ROOT
 
 pytestmark = pytest.mark.processes
@@ -62,8 +63,13 @@ def test_a_scene_without_meshes_imports_no_mesh_library():
     assert {'lxml', KERNELS + 'cores.gjk'} <= found
 
 
-def test_a_scene_with_a_hull_does_import_it():
-    assert 'trimesh' in modules(ASK, scene(BALL, HULL))
+def test_a_hull_imports_qhull_and_a_mesh_file_its_reader(tmp_path):
+    found = modules(ASK, scene(BALL, HULL))
+    assert 'scipy.spatial' in found
+    assert 'trimesh' not in found
+    trimesh.creation.box().export(tmp_path / 'box.stl')
+    of_file = f'- {{name: hull, shape: {{type: mesh, uri: {tmp_path}/box.stl}}}}'
+    assert 'trimesh' in modules(ASK, scene(BALL, of_file))
 
 
 def test_a_scene_of_spheres_imports_no_other_kernels():

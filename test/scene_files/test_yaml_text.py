@@ -170,5 +170,7 @@ def test_an_emptied_document_leaves_alone_what_others_have_of_it():
     first, frames = document.value['frames'][0], document.value['frames']
     document.free()
     assert (document.value, document.lines) == ({}, {})
+    with pytest.raises(KeyError):
+        document.at('frames', 0)
     assert first == {'name': 'a', 'pose': [1, 2]}
     assert frames == [first, {'name': 'b'}]
