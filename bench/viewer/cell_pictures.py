@@ -15,8 +15,8 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -35,7 +35,7 @@ from std_msgs.msg import Header
 
 from bench.ros.beside import NODE, VIEWER
 from bench.ros.processes import Processes
-from bench.viewer.pictures import opened, photograph
+from bench.viewer.pictures import beside, opened, photograph
 
 EXAMPLE = Path('examples/mobile_cell')
 PORT, WINDOW = 18303, (1600, 1000)
@@ -160,24 +160,12 @@ class Sender:
             send[name].publish(as_message(LaserScan, scan, ranges=ranges))
 
 
-@contextmanager
-def sent(sender: Sender, node: Node) -> Iterator[None]:
-    """Send meanwhile."""
-    over = threading.Event()
-
-    def send() -> None:
-        due = time.monotonic()
-        while not over.wait(max(0.0, due - time.monotonic())):
-            sender.step()
-            due = max(due + STEP, time.monotonic())
-
-    thread = threading.Thread(target=send)
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
+def send_until(over: threading.Event, sender: Sender) -> None:
+    """Send, step by step, until an event is set."""
+    due = time.monotonic()
+    while not over.wait(max(0.0, due - time.monotonic())):
+        sender.step()
+        due = max(due + STEP, time.monotonic())
 
 
 def wait_for(node: Node, fact: Callable[[], object]) -> None:
@@ -244,7 +232,7 @@ def main() -> None:
             processes.start(NODE, scene_file=str(scene), **PARAMETERS)
             processes.start(VIEWER, port=PORT, max_distance=0.05)
             sender, shadow = Sender(node), Shadow(node)
-            with sent(sender, node):
+            with beside(partial(send_until, sender=sender)):
                 carry(node)
                 stop_in_shadow(node, sender, shadow)
                 browser = opened(address(), *WINDOW)

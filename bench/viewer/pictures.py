@@ -9,7 +9,7 @@ import argparse
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -144,27 +144,36 @@ def with_ghost(out: Path) -> None:
 
 
 @contextmanager
-def turning_arm() -> Iterator[None]:
-    """Publish the values of an arm again and again, always with the same speeds."""
-    rclpy.init()
-    node = rclpy.create_node('turning_arm')
-    publisher = node.create_publisher(JointState, 'joint_states', 10)
+def beside(work: Callable[[threading.Event], object]) -> Iterator[None]:
+    """Have a thread work meanwhile, until the event that it was given is set."""
     over = threading.Event()
-
-    def publish() -> None:
-        while not over.wait(0.02):
-            message = JointState(name=list(_TURNING), velocity=[v for _, v in _TURNING.values()])
-            message.position = [q for q, _ in _TURNING.values()]
-            message.header.stamp = node.get_clock().now().to_msg()
-            publisher.publish(message)
-
-    thread = threading.Thread(target=publish)
+    thread = threading.Thread(target=work, args=(over,))
     thread.start()
     try:
         yield
     finally:
         over.set()
         thread.join()
+
+
+@contextmanager
+def turning_arm() -> Iterator[None]:
+    """Publish the values of an arm again and again, always with the same speeds."""
+    rclpy.init()
+    node = rclpy.create_node('turning_arm')
+    publisher = node.create_publisher(JointState, 'joint_states', 10)
+
+    def publish(over: threading.Event) -> None:
+        while not over.wait(0.02):
+            message = JointState(name=list(_TURNING), velocity=[v for _, v in _TURNING.values()])
+            message.position = [q for q, _ in _TURNING.values()]
+            message.header.stamp = node.get_clock().now().to_msg()
+            publisher.publish(message)
+
+    try:
+        with beside(publish):
+            yield
+    finally:
         node.destroy_node()
         rclpy.shutdown()
 

@@ -21,6 +21,26 @@ TOPICS_PAGE = (ROOT / 'docs/topics.md').read_text()
 SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
 
 
+def printed(tmp_path, client, script, **settings):
+    """Return the block of a page that shows what a script prints beside a node of its own."""
+    node = start_node(tmp_path / 'log', **settings)
+    try:
+        wait_until_ready(client)
+        done = run_python(script)
+    finally:
+        node.end()
+    assert done.returncode == 0, done.stderr + node.output()
+    return f'```\n{done.stdout}```'
+
+
+def write_blocks(page, folder):
+    """Write the blocks of a page that have titles, under these; return the page's text."""
+    for block in blocks(page):
+        if block.title:
+            (folder / block.title).write_text(block.text)
+    return (ROOT / page).read_text()
+
+
 @pytest.mark.parametrize(
     ('example', 'page', 'asked'),
     [
@@ -36,46 +56,20 @@ SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
     ids=['move_an_arm', 'ask_the_node'],
 )
 def test_an_example_prints_what_its_page_says(tmp_path, lone_client, example, page, asked):
-    node = start_node(tmp_path / 'log', **{'max_distance': 0.3, **asked})
-    try:
-        wait_until_ready(lone_client)
-        done = run_python(f'examples/{example}')
-    finally:
-        node.end()
-    assert done.returncode == 0, done.stderr + node.output()
-    assert f'```\n{done.stdout}```' in page
+    settings = {'max_distance': 0.3, **asked}
+    assert printed(tmp_path, lone_client, f'examples/{example}', **settings) in page
 
 
 def test_the_tutorial_of_a_robot_stops_it(tmp_path, lone_client):
-    page = 'docs/tutorials/robot_beside_a_table.md'
-    for block in blocks(page):
-        if block.title:
-            (tmp_path / block.title).write_text(block.text)
+    page = write_blocks('docs/tutorials/robot_beside_a_table.md', tmp_path)
     (tmp_path / 'arm.srdf').write_text('<robot name="arm"/>')
-    cell = tmp_path / 'cell.yaml'
-    node = start_node(tmp_path / 'log', scene_file=cell, use_joint_states=True)
-    try:
-        wait_until_ready(lone_client)
-        done = run_python(tmp_path / 'watch.py')
-    finally:
-        node.end()
-    assert done.returncode == 0, done.stderr + node.output()
-    assert f'```\n{done.stdout}```' in (ROOT / page).read_text()
+    settings = {'scene_file': tmp_path / 'cell.yaml', 'use_joint_states': True}
+    assert printed(tmp_path, lone_client, tmp_path / 'watch.py', **settings) in page
 
 
 def test_the_page_of_gates_drives_to_the_wall_and_stands(tmp_path, lone_client):
-    page = 'docs/gates.md'
-    for block in blocks(page):
-        if block.title:
-            (tmp_path / block.title).write_text(block.text)
-    node = start_node(tmp_path / 'log', scene_file=tmp_path / 'floor.yaml')
-    try:
-        wait_until_ready(lone_client)
-        done = run_python(tmp_path / 'drive.py')
-    finally:
-        node.end()
-    assert done.returncode == 0, done.stderr + node.output()
-    assert f'```\n{done.stdout}```' in (ROOT / page).read_text()
+    page, scene = write_blocks('docs/gates.md', tmp_path), tmp_path / 'floor.yaml'
+    assert printed(tmp_path, lone_client, tmp_path / 'drive.py', scene_file=scene) in page
 
 
 def test_the_scene_of_the_first_tutorial_is_the_smallest_that_ships():
