@@ -10,6 +10,7 @@ from typing import Any
 from drake_geom_ros.batch.path_profile import PathProfile, draw_profile
 from drake_geom_ros.command_line.checked_motions import (
     CLEAR_IN_PIECES,
+    CheckedMotion,
     of_motion,
     of_path,
     of_trajectory,
@@ -26,7 +27,7 @@ from drake_geom_ros.command_line.option_values import (
 )
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import GeometryId, MotionCheck
+from drake_geom_ros.geometry import ArgumentError, GeometryId, MotionCheck
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 
@@ -109,10 +110,7 @@ def run(options: argparse.Namespace) -> int:
     outputs = {'--csv': options.csv, '--picture': options.picture}
     inputs = options.scene, options.srdf, options.path, options.trajectory, options.motion
     check_outputs(outputs, list(inputs))
-    if options.motion:
-        checked = of_motion(options)
-    else:
-        checked = (of_trajectory if options.trajectory else of_path)(options)
+    checked = _checked(options)
     check_outputs(outputs, checked.files)
     check = checked.check
     print(
@@ -126,6 +124,16 @@ def run(options: argparse.Namespace) -> int:
         file = Path(options.picture)
         draw_profile(profile, check, options.min_distance, title, file, checked.unit)
     return {'clear': DONE, CLEAR_IN_PIECES: NOT_PROVED}.get(checked.outcome, NO)
+
+
+def _checked(options: argparse.Namespace) -> CheckedMotion:
+    """Check what the options name; errors name options of this command, not arguments."""
+    if options.motion:
+        return of_motion(options)
+    try:
+        return (of_trajectory if options.trajectory else of_path)(options)
+    except ArgumentError as error:
+        raise ArgumentError(str(error).replace('ignore_limits=True', '--ignore-limits')) from error
 
 
 def _lines(check: MotionCheck, name_of: Callable[[GeometryId], str]) -> list[str]:

@@ -49,7 +49,9 @@ def test_what_is_no_path_is_said_in_a_line(folder, capsys):
     np.save(folder / 'out.npy', [[0.0, 99.0]])
     scene, path = str(folder / 'scene.yaml'), str(folder / 'out.npy')
     assert main(['check-motion', scene, '--path', path]) == 2
-    assert 'rod::push = 99; it is outside its limits' in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert 'rod::push = 99; it is outside its limits' in error
+    assert '--ignore-limits lets it pass' in error
 
 
 SWING = """
