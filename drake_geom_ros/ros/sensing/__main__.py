@@ -178,7 +178,9 @@ def _take(kind: str, point_taker: PointTaker) -> Callable[[bytes, float, str], N
 
 def _end_with_node() -> None:
     """End this process, whatever it does, as soon as the node that started it is gone."""
-    sys.stdin.buffer.read()
+    # Not by sys.stdin: its lock is held meanwhile, and an interpreter that ends would abort.
+    while os.read(0, 1024):
+        pass
     os._exit(0)
 
 
