@@ -33,7 +33,7 @@ proximity_rules:
 _STOPPABLE = """
 proximity_rules:
 - {name: can stop, set_a: left, set_b: right, level: stoppable, decelerations: 3.0,
-   reaction_time: 0.1, margin: 0.02}
+   reaction_time: 0.1, margin: 0.01}
 """
 _READY = (-0.9, -0.5, 0.0, -2.0, 0.0, 1.6, 0.8)  # [rad] of an arm that turns about its foot
 _RESTS = (0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8)  # [rad] of the other one
@@ -46,6 +46,7 @@ _TURNING = {
 _SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
 _MOVING = 2.0  # [s] until it has drawn the same view of bodies that have moved
 _CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
+_PROVED = "!!document.querySelector('[data-outcome]')"  # which may have to be compiled
 _COLOURS = 256  # of a picture, which is a third as large so
 _MOMENT = 5.35  # [s] of the demo's motion, with both arms above the table
 
@@ -83,6 +84,7 @@ def with_demo(out: Path) -> None:
         do('time', value=_MOMENT)
         names = ('left::panda_link5/collision_0', 'right::panda_link5/collision_0')
         do('select_names', names=list(names))
+        browser.wait_for(lambda: browser.ask(_PROVED), 'what is proved')
         photograph(browser, out / 'viewing_page.png')
         for tab in ('motion', 'view'):
             press(browser, f'to-{tab}')

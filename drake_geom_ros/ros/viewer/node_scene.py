@@ -29,6 +29,7 @@ from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
 from drake_geom_ros.ros.viewer.node_tables import NodeTables, in_words
+from drake_geom_ros.ros.viewer.rival_publishers import RivalPublishers
 from drake_geom_ros.viewing.bodies import ShownBody
 from drake_geom_ros.viewing.cell_layers import CELL_LAYERS, CellLayer
 from drake_geom_ros.viewing.looks import Look, colour_by, is_drawn, solid_by
@@ -59,6 +60,7 @@ class NodeScene:
         self._services = Services(node, server)
         self._contacts = NodeContacts(self._services, server, self._changed)
         self._tables = NodeTables(node, self._services, server, self._changed)
+        self._rivals = RivalPublishers(node, [f'{server}/scene', f'{server}/geometry_poses'])
         self._shown_bodies: dict[int, ShownBody] = {}
         self._changes = 0
         self._troubles: list[str] = []
@@ -142,6 +144,11 @@ class NodeScene:
             return self._shown_bodies.get(value)
 
     def _remarks(self) -> list[str]:
+        warning = self._rivals.warning()
+        return [warning, *self._state()] if warning else self._state()
+
+    def _state(self) -> list[str]:
+        """Return in words what the node sends and what is missing."""
         if self._known < 0:
             return [f'waiting for {self._server}/scene']
         if not self._heard:

@@ -282,6 +282,26 @@ def test_what_the_pairs_leave_out_is_said(lone_client, shown, tmp_path):
         node.end()
 
 
+def test_two_nodes_of_one_name_are_a_warning(lone_client, shown, scene_file, tmp_path):
+    nodes = [start_node(tmp_path / 'log0', scene_file=scene_file)]
+    try:
+        lone_client.wait_for(lambda: shown.moment(1.0, 'exact').geometries.names, 'the scene')
+        assert not shown.moment(1.0, 'exact').remarks[0].startswith('NOT')
+        nodes.append(start_node(tmp_path / 'log1', scene_file=scene_file))
+        warning = 'NOT ONE SCENE: 2 publishers send /scene_graph/scene'
+        lone_client.wait_for(
+            lambda: shown.moment(1.0, 'exact').remarks[0].startswith(warning), warning
+        )
+        assert '/scene_graph and /scene_graph' in shown.moment(1.0, 'exact').remarks[0]
+        nodes.pop().end()
+        lone_client.wait_for(
+            lambda: not shown.moment(1.0, 'exact').remarks[0].startswith('NOT'), 'one node again'
+        )
+    finally:
+        for node in nodes:
+            node.end()
+
+
 def test_contact_surfaces_are_asked_for_while_they_are_wished_for(tmp_path, lone_client, shown):
     missing = shown.moment(0.1, 'exact', contacts=True)
     assert 'no contact surfaces: nobody serves /scene_graph/compute_contact_surfaces' in (

@@ -164,8 +164,9 @@ on('values', ({joints, frame}) => {
 // A running node: sensors, ages, events.
 
 const liveTab = element('div');
-/** Return a text with the short names of the bodies that it names, parted by bars. */
-const shortened = text => text.split(' | ').map(part => shortByName[part] ?? part).join(' | ');
+/** Return a text with the short names of the bodies that it names; it may be broken behind slashes and colons. */
+const shortened = text => text.split(' | ').map(part => shortByName[part] ?? part).join(' | ')
+  .split(/(?<=\/|::)/).flatMap((part, k) => (k ? [element('wbr'), part] : part));
 /** Return the class of a cell: names and topics may be broken anywhere, numbers and their units nowhere. */
 const kindOf = cell => /::|^\S+\/\S+$/.test(cell) ? 'name' : /^-?[\d.]+( \S+)?$/.test(cell) ? 'amount' : '';
 /** Return a table whose rows name their pair, if any, in a line of its own below the cells. */
@@ -182,10 +183,10 @@ function liveTable(columns, rows) {
 }
 function showLive() {
   const sensors = state.sensors ?? {rows: [], kinds: [], colours: []}, options = state.options;
-  const parts = [];
-  for (const {title, columns, rows, empty} of state.tables ?? []) {
-    parts.push(...titled(title, rows.length ? liveTable(columns, rows) : hint(empty)));
-  }
+  const shown = ({title, columns, rows, empty}) => titled(title, rows.length ? liveTable(columns, rows) : hint(empty));
+  // The long table of ages is the last one.
+  const tables = state.tables ?? [], isLong = ({title}) => title.startsWith('Ages');
+  const parts = tables.filter(each => !isLong(each)).flatMap(shown);
   if (sensors.rows.length && options) {
     const hidden = source => options.hidden.includes(`sensor ${source}`);
     parts.push(...titled('Sensed maps', element('div', {className: 'checks'}, sensors.kinds.map(([kind, label]) =>
@@ -196,16 +197,21 @@ function showLive() {
       element('td', {}, source),
       element('td', {}, sensors.kinds.filter(([kind]) => kind in counts).map(([kind, label]) => `${counts[kind]} ${label}`).join(', ')))))));
   }
-  liveTab.replaceChildren(...parts);
+  liveTab.replaceChildren(...parts, ...tables.filter(isLong).flatMap(shown));
 }
 for (const section of ['tables', 'sensors', 'options']) on(section, showLive);
 
 // The status and the legend.
 
 const statusPlace = element('div');
-on('status', ({lines, troubles}) => statusPlace.replaceChildren(
-  ...lines.map(line => element('p', {className: line.startsWith('NOT') ? 'trouble' : 'hint'}, line)),
-  ...troubles.map(line => element('p', {className: 'trouble'}, line))));
+on('status', ({lines, troubles}) => {
+  const isWarning = line => line.startsWith('NOT');
+  // Over the picture: the panel may be closed, and what is not complete must not look so.
+  $('warnings').replaceChildren(...lines.filter(isWarning).map(line => element('p', {}, line)));
+  statusPlace.replaceChildren(
+    ...lines.filter(line => !isWarning(line)).map(hint),
+    ...troubles.map(line => element('p', {className: 'trouble'}, line)));
+});
 on('progress', ({done, count}) => notify(done < count ? `drawn ${done} of ${count}` : ''));
 
 function showLegend() {
