@@ -52,6 +52,7 @@ from drake_geom_ros.geometry._proximity.motion.records import (
     by_plane,
     by_way,
     count_seen,
+    enough_now,
     gap_now,
     is_proved,
     is_spent,
@@ -170,7 +171,9 @@ def _is_clear_of_map(handle: Handle, k: int, reach: float) -> bool:
         return False
     motion.counts[EVALUATIONS] += 1
     cutoff = (motion.bounds[k, LEAST] + reach) * ROUNDED_UP
-    return not answer_pair(handle, k, cutoff) and is_proved(motion, k, cutoff - reach)
+    if answer_pair(handle, k, cutoff, enough_now(motion, k)):
+        return False
+    return is_proved(motion, k, cutoff - reach)
 
 
 @inlined

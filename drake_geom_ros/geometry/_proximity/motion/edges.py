@@ -38,6 +38,7 @@ from drake_geom_ros.geometry._proximity.motion.interpolants import put_state
 from drake_geom_ros.geometry._proximity.motion.rates import prepare
 from drake_geom_ros.geometry._proximity.motion.records import answer_pair
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
+from drake_geom_ros.geometry._proximity.pairs.slots import ALL
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
@@ -110,7 +111,7 @@ def row_of_pair(
     motion = motions_of(handle)
     _put_edge(motion, path, curves, edge)
     put_state(handle, t)
-    answer_pair(handle, k, math.inf)
+    answer_pair(handle, k, math.inf, ALL)
     gather_rows(
         motion.slot,
         motion.one,

@@ -14,7 +14,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     ERROR_BOUND,
     NORMAL,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN as ANSWERED_AT
 from drake_geom_ros.geometry._proximity.kernels.vectors import unit, vector_in
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.motion.arrays import (
     ANSWER,
     CLOSED,
@@ -42,6 +44,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     motions_of,
 )
 from drake_geom_ros.geometry._proximity.motion.planes import (
+    first_guess,
     gap_along,
     in_node,
     in_world,
@@ -50,7 +53,7 @@ from drake_geom_ros.geometry._proximity.motion.planes import (
     normal_of_answer,
 )
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
-from drake_geom_ros.geometry._proximity.pairs.slots import EVERY_HIT
+from drake_geom_ros.geometry._proximity.pairs.slots import ALL
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
@@ -61,10 +64,11 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_o
 
 
 @allocating
-def answer_pair(handle: Handle, k: int, cutoff: float) -> bool:
+def answer_pair(handle: Handle, k: int, cutoff: float, enough: float) -> bool:
     """Answer for pair k at the current poses, independent of earlier answers.
 
-    Return whether it may be within the cutoff [m]; if not, there is no answer.
+    Return whether it may be within the cutoff [m]; if not, there is no answer, nor where the pair
+    is certain to be within ``enough`` [m]: see ``is_unanswered``.
     """
     motion = motions_of(handle)
     motion.one[0, 0], motion.one[0, 1] = motion.pairs[k, 0], motion.pairs[k, 1]
@@ -77,12 +81,29 @@ def answer_pair(handle: Handle, k: int, cutoff: float) -> bool:
         motion.world,
         1,
         (motion.parameters[LEVEL_GAP], cutoff, False),
-        EVERY_HIT,
+        (0 if enough > ALL else -1, enough),
         (motion.waiting, motion.distances),
         motion.hits,
         motion.effects,
     )
     return bool(hits > 0)
+
+
+@inlined
+def is_unanswered(motion: MotionArrays) -> bool:
+    """Return whether the last pair within the cutoff was certain to be within ``enough``."""
+    return motion.memory[0, ANSWERED_AT] < 0.0
+
+
+@inlined
+def enough_now(motion: MotionArrays, k: int) -> float:
+    """Return the distance [m] within which nothing is proved about pair k at the current poses.
+
+    A ``QUICK`` check needs no more than that of such a pair: how deep bodies are costs most.
+    """
+    if motion.flags[QUICK] == 0:
+        return ALL
+    return max(motion.bounds[k, LEAST] + _slack_now(motion, k), 0.0)
 
 
 @inlined
@@ -111,7 +132,12 @@ def put_plane(
 @inlined
 def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
     """Answer for pair k at the current poses, and write its record."""
-    answer_pair(handle, k, math.inf)
+    motion, enough = motions_of(handle), ALL
+    types = world_of(motion.world).types
+    # Where bodies may be far apart, coarse hulls would only be looked at in vain.
+    if max(types[motion.pairs[k, 0]], types[motion.pairs[k, 1]]) >= SOLID:
+        enough = enough_now(motion, k)
+    answer_pair(handle, k, math.inf, enough)
     put_record(handle, k, node, r)
 
 
@@ -126,7 +152,7 @@ def put_answer_unless_far(handle: Handle, k: int, node: int, r: int) -> bool:
     if motion.flags[QUICK]:
         bound = motion.bounds[k, WAY] + motion.bounds[k, SLACK] + motion.bounds[k, CLOSING]
         cutoff = (motion.bounds[k, LEAST] + bound) * ROUNDED_UP
-    if not answer_pair(handle, k, cutoff):
+    if not answer_pair(handle, k, cutoff, enough_now(motion, k)):
         motion.counts[EVALUATIONS] += 1
         is_proved(motion, k, cutoff - bound)
         return False
@@ -139,6 +165,9 @@ def put_record(handle: Handle, k: int, node: int, r: int) -> None:
     """Write the record of the answer for pair k at the current poses."""
     motion = motions_of(handle)
     motion.counts[EVALUATIONS] += 1
+    if is_unanswered(motion):
+        _put_contact(motion, k, node, r)
+        return
     out, slack = row(motion.memory, 0), motion.bounds[k, SLACK]
     gap = put_plane(
         motion, world_of(motion.world), k, node, unit(normal_of_answer(out, NORMAL)), r
@@ -149,6 +178,15 @@ def put_record(handle: Handle, k: int, node: int, r: int) -> None:
     if motion.flags[QUICK]:  # what is not proved here is as bad as contact
         motion.records[r, UPPER] = motion.records[r, LOWER]
     motion.records[r, ANSWER] = out[DISTANCE] - motion.paddings[k]
+
+
+@inlined
+def _put_contact(motion: MotionArrays, k: int, node: int, r: int) -> None:
+    """Write the record of pair k where it is certain that nothing is proved about it."""
+    world, record = world_of(motion.world), row(motion.records, r)
+    guess = first_guess(world, motion.pairs[k, 0], motion.pairs[k, 1])
+    gap = put_plane(motion, world, k, node, guess, r)
+    record[GAP] = record[LOWER] = record[UPPER] = min(gap, motion.bounds[k, LEAST])
 
 
 @inlined

@@ -34,11 +34,13 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     coarse_hull_at,
     end_of_header,
 )
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, HALF_SPACE, SOLID
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import apart
 from drake_geom_ros.geometry._proximity.pairs.kernel_calls import (
     call_in_order,
     in_order,
+    overlaps_a_cell,
     swap_sides,
 )
 from drake_geom_ros.geometry._proximity.pairs.slots import ALL, Shapes
@@ -214,13 +216,16 @@ def hit_or_call(
     enough: float,
     out: Floats,
 ) -> bool:
-    """Return whether coarse hulls are within ``enough`` [m] for certain; else answer.
+    """Return whether a pair is certain to be within ``enough`` [m]; else answer.
 
-    The answer is written to ``out`` from coarse hulls if these suffice, else by the pair's kernel.
+    Coarse hulls say so, or a cell of a map. The answer is written to ``out`` from coarse hulls if
+    these suffice, else by the pair's kernel.
     """
-    verdict = UNDECIDED
-    if may_decide(shapes.types[a], shapes.types[b], enough, aim.accuracy):
+    verdict, type_a, type_b = UNDECIDED, shapes.types[a], shapes.types[b]
+    if may_decide(type_a, type_b, enough, aim.accuracy):
         verdict = by_coarse_hulls(a, b, kernels, shapes, poses, p_AB_W, aim, enough, out)
+    elif enough >= 0.0 and is_map(max(type_a, type_b)):
+        return overlaps_a_cell(a, b, kernels, shapes, poses, p_AB_W, aim, out)
     if verdict == UNDECIDED:
         call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)
     return verdict == HIT

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from drake_geom_ros.geometry._proximity.kernels.addresses import (
     AT_ONE_METRE,
     OVER_MAP,
@@ -18,7 +20,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     LEVEL_GAP,
+    METHOD,
     NORMAL,
+    PAIR_WIDTH,
     WITNESS_A,
     WITNESS_B,
     Aim,
@@ -27,12 +31,13 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import TYPE_COUNT
 from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, OPEN, SOLID
 from drake_geom_ros.geometry._proximity.pairs.slots import Shapes
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
-from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
+from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 
 
 @inlined
@@ -160,3 +165,28 @@ def is_plain_overlap(
     if type_a > type_b:
         a, b = b, a
     return _has_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, out)
+
+
+@allocating
+def overlaps_a_cell(
+    a: int,
+    b: int,
+    kernels: Addresses,
+    shapes: Shapes,
+    poses: tuple[Floats, Floats],
+    p_AB_W: Floats,
+    aim: Aim,
+    out: Floats,
+) -> bool:
+    """Return whether a pair with a map plainly overlaps; else answer in ``out``.
+
+    The depth of a union of cells takes longer than all else, and nothing of it is wanted here.
+    """
+    now = np.zeros(PAIR_WIDTH)
+    any_depth = Aim(aim.size, aim.tolerance, aim.cutoff, math.inf)
+    call_in_order(a, b, kernels, shapes, poses, p_AB_W, any_depth, now)
+    if now[METHOD] == OPEN and now[DISTANCE] < -2.0 * TOUCHING_DEPTH * aim.size:
+        return True
+    for c in range(PAIR_WIDTH):
+        out[c] = now[c]
+    return False

@@ -206,8 +206,8 @@ def answer_pairs(
     - An infinite level gap uses the current bounds alone: reusing earlier answers would make the
       answer depend on earlier queries.
     - Where one hit will do, the first ends the loop. A pair that is certain to be within
-      ``search.enough`` is a hit, and its slot stays unchanged: a solid that plainly overlaps, or
-      coarse hulls that are that near.
+      ``search.enough`` is a hit, and its slot stays unchanged: a solid or a map that plainly
+      overlaps, or coarse hulls that are that near.
     - A queue that fits all pairs gets those that need a kernel, with lower bounds of their
       distances if it fits these, too. With an empty queue, kernels run.
     - A cutoff below 0 excludes no pair by its depth: boxes that overlap are 0 apart, and the

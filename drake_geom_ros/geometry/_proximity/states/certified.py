@@ -72,7 +72,7 @@ def lower_end(out: Floats) -> float:
 def may_be_within(hit_count: int, out: Floats, margin: float) -> bool:
     """Return whether a pair may be within a margin [m], from its slot, cleared before the query.
 
-    A hit without an answer is a solid that plainly overlaps.
+    A hit without an answer is a solid or a map that plainly overlaps.
     """
     return (hit_count > 0 and out[SEEN] < 0.0) or lower_end(out) <= margin
 

@@ -6,6 +6,9 @@ cell, and at most as deep as the length of a separating translation (``ways_out`
 equal within rounding, the answer is that of the deepest cell. Otherwise it is the separating
 translation, with OPEN as method and an error bound for how much shorter another may be. A half
 space is left along its normal, so there the deepest cell is the answer.
+
+With an infinite accuracy any depth will do, and no translation is searched: where a bounded body
+plainly overlaps, the answer is the deepest cell, and the error bound how much deeper it may be.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
+    METHOD,
     PAIR_WIDTH,
     UNIQUE,
     Aim,
@@ -47,6 +51,7 @@ from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, OPE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Address
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 
 LOOSE = 4.0 * BACK_OFF  # roundings within which both depths count as equal
 
@@ -69,6 +74,17 @@ def _write_open(pair: MapPair, nearest: Floats, way: WayOut, out: Floats) -> Non
     write(out, -way.length, way.n, a, way.b, error, False, OPEN)
 
 
+@compiled
+def _write_overlap(pair: MapPair, nearest: Floats, out: Floats) -> None:
+    """Write the row of a pair that overlaps by at least the depth of its deepest cell."""
+    for c in range(PAIR_WIDTH):
+        out[c] = nearest[c]
+    # Moved by the size of the pair, it is apart.
+    deeper = max(pair.size + nearest[DISTANCE], 0.0) + noise_of(pair)
+    out[ERROR_BOUND] = nearest[ERROR_BOUND] + deeper
+    out[UNIQUE], out[METHOD] = 0.0, OPEN
+
+
 @allocating
 def answer_of(pair: MapPair, p: Vector, cutoff: float, out: Floats) -> None:
     """Write the row of a pair; ``p`` [m] is Bo from Ao in World axes; the cutoff is in metres."""
@@ -84,6 +100,10 @@ def answer_of(pair: MapPair, p: Vector, cutoff: float, out: Floats) -> None:
     nearest[ERROR_BOUND] = error
     nearest[UNIQUE] *= 1.0 if nearest[OTHER] > nearest[DISTANCE] + 2.0 * error else 0.0
     if nearest[DISTANCE] - error < 0.0 and pair.A.kind != HALF_SPACE:
+        plain = error + 2.0 * TOUCHING_DEPTH * pair.aim.size
+        if pair.aim.accuracy == math.inf and nearest[DISTANCE] < -plain:
+            _write_overlap(pair, nearest, out)
+            return
         way = way_out(pair, p, -nearest[DISTANCE], nearest.copy())
         more = way.length + nearest[DISTANCE]
         is_same = more <= LOOSE * noise + 2.0 * error

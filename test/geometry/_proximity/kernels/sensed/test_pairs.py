@@ -89,6 +89,24 @@ def test_a_block_of_touching_cells_is_as_deep_as_the_box_that_it_fills():
             assert (found.distance[0] < 0.0) == (truth < 0.0)
 
 
+@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('body', SHAPES)
+def test_a_contact_is_found_without_a_depth_where_there_is_one(kind, body):
+    rng, found = np.random.default_rng(12), {True: 0, False: 0}
+    shape = kind(0.08, 0.1 * MAPS['shell'])
+    decided, deep = ShapeScene(SHAPES[body], shape), ShapeScene(SHAPES[body], shape)
+    for _ in range(20):
+        poses = random_pose(rng, 0.45), random_pose(rng, 0.45)
+        collides = decided.posed(*poses).query.HasCollisions()
+        assert collides == bool(len(deep.posed(*poses).query.ComputePointPairPenetration()))
+        # What was decided without a depth leaves no answer to the pair itself.
+        rows = [scene.query.signed_distance_of_pair(*scene.ids) for scene in (decided, deep)]
+        assert rows[0].distance[0] == rows[1].distance[0]
+        assert rows[0].error_bound[0] == rows[1].error_bound[0]
+        found[collides] += 1
+    assert min(found.values()) >= 3
+
+
 @pytest.mark.parametrize('is_map_first', [False, True])
 def test_a_negative_cutoff_asks_for_depth_of_the_union(is_map_first):
     """A body within many small cells is deep in the block, and in each of them a little."""
