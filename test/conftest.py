@@ -6,8 +6,17 @@ import signal
 import pytest
 from hypothesis import HealthCheck, settings
 
-# No test judges how long anything takes: whoever calls a kernel first compiles it.
-settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
+UNCOMPILED = os.environ.get('NUMBA_DISABLE_JIT') == '1'
+
+# No test judges how long anything takes: whoever calls a kernel first compiles it. Uncompiled, as
+# for mutants, kernels take some 100 times as long, and a mutant has to fail by the same examples.
+settings.register_profile(
+    'untimed',
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    max_examples=10 if UNCOMPILED else 100,
+    derandomize=UNCOMPILED,
+)
 settings.load_profile('untimed')
 
 pytest_plugins = [
