@@ -297,6 +297,8 @@ def _states(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], tuple[Any, ...]]:
     """Return states, the id values of the frames that they pose, and the arms of joint values."""
     by_poses = frame_ids is not None and poses is not None
+    if isinstance(frame_ids, Joints):
+        raise ArgumentError('name them: evaluate(scene_graph, states=states, joints=joints)')
     by_joints = states is not None and joints is not None
     if by_poses == by_joints or (frame_ids is None) != (poses is None):
         raise ArgumentError('states are frame_ids and their poses, or states and their joints')

@@ -170,7 +170,10 @@ class SceneGraphClient:
                 requests.append((time.monotonic(), self.services.send(name, **fields)))
             return next((future for _, future in requests if future.done()), None)
 
-        return accepted(name, self.wait_for(answered, f'an answer of {name}', end).result())
+        awaited = (
+            f'an answer of {name} (a node compiles what its first one needs; its log says so)'
+        )
+        return accepted(name, self.wait_for(answered, awaited, end).result())
 
     def signed_distances(
         self,

@@ -360,6 +360,18 @@ def test_exec_installs_what_its_command_asks_for_by_its_name(folder, command, se
     assert ' '.join(said.split()) == sets
 
 
+def test_exec_installs_what_its_script_imports(folder):
+    for name, text, sets in (
+        ('write_run.py', 'import sys\nfrom rosbags.rosbag2 import Writer\n', 'recordings'),
+        ('meshcat.py', 'from drake_geom_ros.viewing.meshcat import StartMeshcat\n', 'view'),
+        ('plain.py', 'import numpy as np\n# import rosbags\n', ''),
+    ):
+        (folder / name).write_text(text)
+        code, said, errors = shell(folder, f'sets_of python {name} 1.2')
+        assert code == 0, errors
+        assert said.strip() == sets
+
+
 def test_what_was_deleted_is_made_again(folder):
     shell(folder, FAKE_STEPS + 'set_up')
     shutil.rmtree(folder / 'install')

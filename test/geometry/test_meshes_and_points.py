@@ -71,7 +71,9 @@ def test_pydrake_says_the_same(kind):
 
 def test_one_that_is_not_closed_is_its_hull_and_says_so_when_it_is_registered():
     opened = Mesh.FromMeshData(MeshData(VERTICES, TRIANGLES[:-1]))
-    with pytest.warns(UserWarning, match='To points this mesh is its convex hull.*open'):
+    with pytest.warns(
+        UserWarning, match='from points to this mesh are those to its convex hull, since.*open'
+    ):
         scene = ShapeScene(opened)
     with warnings.catch_warnings():
         warnings.simplefilter('ignore')

@@ -273,7 +273,8 @@ def warn_if_open(shape: Mesh) -> None:
 
 def _warn_of_points(problem: MeshFileError) -> None:
     warnings.warn(
-        f'To points this mesh is its convex hull, as it is in pairs: {problem}', stacklevel=3
+        f'distances from points to this mesh are those to its convex hull, since {problem}',
+        stacklevel=3,
     )
 
 
