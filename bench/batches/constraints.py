@@ -36,8 +36,10 @@ def main() -> None:
     offset = options.influence - BOUND
     constraint = MinimumDistanceLowerBoundConstraint(checker, BOUND, offset)
     ways: dict[str, Callable[[Any], Any]] = {
+        'Checker.free': checker.free,
         'Checker.clearance': checker.clearance,
         'Checker.clearance_and_gradient': checker.clearance_and_gradient,
+        'Checker.near_pairs': lambda q: checker.near_pairs(q, options.influence),
         'Checker.distances_and_gradients': lambda q: checker.distances_and_gradients(
             q, within=options.influence
         ),

@@ -25,6 +25,7 @@ from bench.pages import processor
 from bench.peers.run import machine
 
 ROOT = Path(__file__).resolve().parents[2]
+WARMING = 0.5  # [s] of poses to a node of each rung that is not timed
 
 
 def in_process(folder: Path, cache: Path) -> dict[str, Any]:
@@ -76,6 +77,8 @@ def ask_node(folders: dict[str, Path], seconds: float) -> str:
         from bench.effects.node import CASES, measure
     except ImportError as error:
         return report.NO_ROS.format(reason=error)
+    for case in {case.rung: case for case in CASES}.values():
+        measure(case, folders[case.rung], WARMING)  # compiles what only a node runs, as images
     told = []
     for case in CASES:
         told.append((case, measure(case, folders[case.rung], seconds)))
