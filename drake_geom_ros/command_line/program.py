@@ -90,14 +90,14 @@ def parser_of(prog: str, others: Mapping[str, str], chosen: Sequence[str]) -> Pr
     parser.set_defaults(others=others)
     for word in chosen:
         parser.refuse_unknown_option(word)
-    known = {**COMMANDS, **others}
-    if chosen and chosen[0] not in known and not chosen[0].startswith('-'):
+    all_commands = {**COMMANDS, **others}
+    if chosen and chosen[0] not in all_commands and not chosen[0].startswith('-'):
         from drake_geom_ros.common.nearest import nearest
 
-        meant = nearest(chosen[0], known) or f'; there are {", ".join(known)}'
+        meant = nearest(chosen[0], all_commands) or f'; there are {", ".join(all_commands)}'
         parser.error(f'there is no command {chosen[0]!r}{meant}')
     commands: Any = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
-    for name, words in known.items():
+    for name, words in all_commands.items():
         if name in chosen and name in COMMANDS:
             # Shells complete commands that have a help.
             _module_of(name).add_to(

@@ -60,7 +60,7 @@ def ipopt_problem(
 
 
 class _Callbacks:
-    """What IPOPT calls, one by one at the same values; the last values are evaluated once."""
+    """Callbacks of IPOPT, which calls several at the same values; these are evaluated once."""
 
     def __init__(self, cost: Cost, constraints: Sequence[Constraint]) -> None:
         self._cost = cost

@@ -122,8 +122,8 @@ class _OpenGate:
             return
         commands = self._node.get_publishers_info_by_topic(self.gate.input)
         base = self._node.get_subscriptions_info_by_topic(self.gate.output)
-        found = {end.topic_type.rpartition('/')[2] for end in (*commands, *base)}
-        self._types = sorted(found.intersection(_KINDS))
+        type_names = {end.topic_type.rpartition('/')[2] for end in (*commands, *base)}
+        self._types = sorted(type_names.intersection(_KINDS))
         if len(self._types) == 1:
             self._open(_KINDS[self._types[0]])
 

@@ -399,8 +399,8 @@ class _Registration:
         declaration = CollisionFilterDeclaration()
         for statement in entry.statements:
             sets = (statement.set_a, statement.set_b)
-            given = sets if statement.operation.takes_two_sets else sets[:1]
-            declaration.Declare(statement.operation, *map(self._set, given))
+            operands = sets if statement.operation.takes_two_sets else sets[:1]
+            declaration.Declare(statement.operation, *map(self._set, operands))
         return declaration
 
 

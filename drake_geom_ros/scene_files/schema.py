@@ -49,8 +49,8 @@ def faults(value: Any, schema: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
         return
     import jsonschema  # slow to import, and most documents are valid
 
-    found = islice(jsonschema.Draft7Validator(schema).iter_errors(value), _MOST_FAULTS)
-    errors = [part for error in found for part in _parts(error)]
+    violations = islice(jsonschema.Draft7Validator(schema).iter_errors(value), _MOST_FAULTS)
+    errors = [part for error in violations for part in _parts(error)]
     unknown = {_rule_for_keys(e) for e in errors if e.validator == 'additionalProperties'}
     for error in errors:
         # A misspelt key is also reported as missing; only the misspelling is shown.

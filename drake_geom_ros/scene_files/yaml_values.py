@@ -195,8 +195,8 @@ def roles_of_geometry(plain: Plain, shape: Shape) -> dict[Role, GeometryProperti
     illustration of a sensor.
     """
     is_sensor = plain.get('sensor', False)
-    given = plain.get('roles')
-    roles = roles_of({'illustration': {}, **(given or {})} if is_sensor else given)
+    entries = plain.get('roles')
+    roles = roles_of({'illustration': {}, **(entries or {})} if is_sensor else entries)
     if is_sensor and (others := [ROLE_NAMES[r] for r in roles if r is not Role.kIllustration]):
         raise ValueError(
             f'a sensor has the role {" and ".join(others)}; only rules see it, so it may have '

@@ -117,5 +117,9 @@ class Braking:
             return 0.0
         if not self.stopping_times:
             return float((speeds / self.decelerations_of(len(speeds))).max())
-        known, times = np.array(self.stopping_times).T
-        return math.inf if fastest > known[-1] else float(np.interp(fastest, known, times))
+        speed_table, times = np.array(self.stopping_times).T
+        return (
+            math.inf
+            if fastest > speed_table[-1]
+            else float(np.interp(fastest, speed_table, times))
+        )

@@ -274,11 +274,11 @@ class PreparedQuestion:
             speeds, times = np.array(braking.stopping_times).T
             shares = speeds / fastest if fastest else np.array([1.0])
             inside = shares < 1.0
-            known = np.concatenate(([0.0], shares[inside]))
+            table_shares = np.concatenate(([0.0], shares[inside]))
             if not inside.all():
-                known = np.append(known, 1.0)
-            each = np.interp(known * fastest, speeds, times)
-            return known, np.repeat(each[:, None], count, axis=1)
+                table_shares = np.append(table_shares, 1.0)
+            each = np.interp(table_shares * fastest, speeds, times)
+            return table_shares, np.repeat(each[:, None], count, axis=1)
         times, each = np.zeros((2, count)), joint_speeds / self._decelerations
         if braking.category == StopCategory.ALONG_PATH:
             times[1] = each.max(initial=0.0)
@@ -343,11 +343,11 @@ class PreparedQuestion:
     def _of_others(self, moment: Moment) -> StopProfile | str:
         """Return how other questions' columns brake that matter here, or why nobody knows."""
         profiles = [each.profile(moment) for each in self._neighbours]
-        known = [profile for profile in profiles if profile is not None]
-        if len(known) < len(profiles):
+        profiles_of_now = [profile for profile in profiles if profile is not None]
+        if len(profiles_of_now) < len(profiles):
             return 'nobody knows how fast the other robots move that brake by rules of their own'
-        together = known[0]
-        for profile in known[1:]:
+        together = profiles_of_now[0]
+        for profile in profiles_of_now[1:]:
             together = joined(together, profile)
         return together._replace(columns=together.columns * self._about.others)
 
@@ -378,8 +378,8 @@ class PreparedQuestion:
     def travel(self, moment: Moment) -> Floats:
         """Return how far (c,) columns go until they stand; 0 where nobody knows."""
         profile = self.profile(moment)
-        known = profile is not None and profile.fastest >= 1.0
-        if not known or profile is None or np.isnan(moment.values).any():
+        is_complete = profile is not None and profile.fastest >= 1.0
+        if not is_complete or profile is None or np.isnan(moment.values).any():
             return np.zeros(self._columns.width)
         return np.nan_to_num(profile.travel(), posinf=0.0, neginf=0.0)
 

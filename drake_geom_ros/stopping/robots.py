@@ -284,9 +284,9 @@ def braked_joints(
                 f'{robots_named}); name it as robot::joint. A base has x, y and theta where the '
                 "robot's root link is a frame"
             )
-    found = [meant[name][0] for name in names]
+    braked = [meant[name][0] for name in names]
     return BrakedJoints(
-        tuple((k, j) for is_joint, k, j in found if is_joint),
-        tuple((k, j) for is_joint, k, j in found if not is_joint),
-        tuple(is_joint for is_joint, _, _ in found),
+        tuple((k, j) for is_joint, k, j in braked if is_joint),
+        tuple((k, j) for is_joint, k, j in braked if not is_joint),
+        tuple(is_joint for is_joint, _, _ in braked),
     )

@@ -1,4 +1,4 @@
-"""How far bodies go, and how fast, while the columns of a stop do."""
+"""Bounds of the way and the speed of bodies while the columns of a stop move."""
 
 from __future__ import annotations
 

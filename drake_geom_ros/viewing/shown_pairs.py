@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +11,6 @@ from drake_geom_ros.geometry import SignedDistanceResults
 from drake_geom_ros.math.array_types import Floats
 
 _MILLIMETRE = 1000.0
-_MOST = 20  # characters of a name in a row
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,15 +79,3 @@ def in_words(pairs: ReportedPairs, row: int, *, bounds: bool) -> str:
     """Return a text with the signed distance of a pair [mm], and with ``bounds`` its error [m]."""
     distance = f'{_MILLIMETRE * pairs.distance[row]:.3f} mm'
     return f'{distance} ± {pairs.error_bound[row]:.1e} m' if bounds else distance
-
-
-def row_in_words(pairs: ReportedPairs, row: int, names: Mapping[int, str], *, bounds: bool) -> str:
-    """Return a row of the table: the distance, and the names with long middles omitted."""
-    values = pairs.ids[row].tolist()
-    a, b = (_without_middle(names.get(value, f'#{value}')) for value in values)
-    return f'{in_words(pairs, row, bounds=bounds)} {a} | {b}'
-
-
-def _without_middle(name: str) -> str:
-    half = _MOST // 2
-    return name if len(name) <= _MOST else f'{name[: half - 1]}…{name[-half:]}'

@@ -164,10 +164,10 @@ def _parsed(tree: Any, meshes: list[int], buffers: list[bytes]) -> Any:
     parts: list[dict[str, Any]] = []
     for mesh in meshes:
         for k, primitive in enumerate(tree['meshes'][mesh]['primitives']):
-            given, mode = primitive['attributes'], primitive.get('mode', _TRIANGLES)
-            used = {'POSITION': _accessor(tree, given['POSITION'], 'VEC3')}
-            if 'COLOR_0' in given:
-                used['COLOR_0'] = _accessor(tree, given['COLOR_0'])
+            attributes, mode = primitive['attributes'], primitive.get('mode', _TRIANGLES)
+            used = {'POSITION': _accessor(tree, attributes['POSITION'], 'VEC3')}
+            if 'COLOR_0' in attributes:
+                used['COLOR_0'] = _accessor(tree, attributes['COLOR_0'])
             part: dict[str, Any] = {'attributes': used, 'mode': _POINTS}
             parts.append({'name': f'{mesh}/{k}', 'primitives': [part]})
             if mode in (_TRIANGLES, _STRIP, _FAN) and 'indices' in primitive:
@@ -213,21 +213,21 @@ def _mesh(tree: Any, nodes: list[_Node], loaded: Any) -> ParsedMesh:
     colours: list[Floats | None] = []
     for node in nodes:
         for k, primitive in enumerate(tree['meshes'][node.mesh]['primitives']):
-            name, given = f'{node.mesh}/{k}', primitive['attributes']
+            name, attributes = f'{node.mesh}/{k}', primitive['attributes']
             part, order = (loaded['geometry'].get(each) for each in (name, f'{name}/order'))
             triangles = _triangles(primitive, part, order)
-            positions = _reals(tree, given['POSITION'], part)
+            positions = _reals(tree, attributes['POSITION'], part)
             pieces.add(T_FNs[node.name], positions, triangles, _name(tree, node))
             if len(triangles):
-                of_vertices = _reals(tree, given.get('COLOR_0'), part, 'vertex_colors')
+                of_vertices = _reals(tree, attributes.get('COLOR_0'), part, 'vertex_colors')
                 colours.append(
                     of_vertices[triangles, :3].mean(axis=1) if len(of_vertices) else None
                 )
     vertices, triangles = pieces.all()
     p_GVs = np.column_stack((vertices[:, 0], 0.0 - vertices[:, 2], vertices[:, 1]))
-    known = [each for each in colours if each is not None]
-    is_coloured = bool(known) and len(known) == len(colours)
-    of_triangles = np.concatenate(known).astype(np.float32) if is_coloured else None
+    part_colours = [each for each in colours if each is not None]
+    is_coloured = bool(part_colours) and len(part_colours) == len(colours)
+    of_triangles = np.concatenate(part_colours).astype(np.float32) if is_coloured else None
     remarks = ('turned from y up to z up',)
     return ParsedMesh(p_GVs, triangles, of_triangles, remarks, parts=pieces.parts())
 

@@ -129,8 +129,8 @@ def _tables(order: str, elements: list[_Element], body: bytes) -> dict[str, Any]
         body = _rows_as_text(elements, body, _ORDERS[order])
     words = _count_words(elements, body)
     tables = _parsed('ascii', elements, body)
-    if (found := sum(_size(tables[each.name], each) for each in elements)) != words:
-        raise ValueError(f'of its {words} numbers {found} can be read')
+    if (count := sum(_size(tables[each.name], each) for each in elements)) != words:
+        raise ValueError(f'of its {words} numbers {count} can be read')
     return tables
 
 
@@ -220,10 +220,10 @@ def _count_words(elements: list[_Element], body: bytes) -> int:
     rows = [words for row in body.splitlines() if (words := row.split())]
     done = 0
     for element in elements:
-        mine = rows[done : done + element.rows]
-        if len(mine) < element.rows:
+        element_rows = rows[done : done + element.rows]
+        if len(element_rows) < element.rows:
             raise ValueError(_truncated(element))
-        for words in mine:
+        for words in element_rows:
             width = 0
             for each in element.properties:
                 width += 1 + (int(words[width]) if each.size and width < len(words) else 0)

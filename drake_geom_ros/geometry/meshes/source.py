@@ -321,8 +321,8 @@ def part_of(mesh: MeshGiven, name: str) -> MeshData:
     source = mesh_source(mesh)
     parts = {} if isinstance(source, MeshData) else _parsed(source).parts
     if name not in parts:
-        known = ', '.join(map(repr, parts)) or 'none'
-        raise MeshFileError(f'{name_of(source)} has no part {name!r}; its parts are {known}')
+        part_names = ', '.join(map(repr, parts)) or 'none'
+        raise MeshFileError(f'{name_of(source)} has no part {name!r}; its parts are {part_names}')
     vertices, triangles = triangles_of(source)
     used, corners = np.unique(triangles[parts[name]], return_inverse=True)
     return MeshData(vertices[used], corners.reshape(-1, 3))

@@ -34,5 +34,5 @@ class ChangedGeometries:
         if now - before > len(self._by_version):
             return None
         changes = [self._by_version.get(version) for version in range(before + 1, now + 1)]
-        known = [ids for ids in changes if ids is not None]
-        return set(chain(*known)) if len(known) == len(changes) else None
+        recorded = [ids for ids in changes if ids is not None]
+        return set(chain(*recorded)) if len(recorded) == len(changes) else None

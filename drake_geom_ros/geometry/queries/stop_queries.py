@@ -100,7 +100,7 @@ class StopDemand(NamedTuple):
     max_evaluations: int  # 0: any number
 
 
-class _Asked(NamedTuple):
+class _Question(NamedTuple):
     """The arguments of a look."""
 
     kind: int
@@ -173,29 +173,29 @@ class StopQueries(MotionQueries):
         shares = profile[1]
         if len(shares) + MOST_EDGES > len(self._stops.rows):
             self._make_room(len(shares) + MOST_EDGES)
-        asked = _Asked(kind, values, profile, demand, places, (speeds, ages))
+        question = _Question(kind, values, profile, demand, places, (speeds, ages))
         span = 0.0, min(share, float(shares[-1]))
         if kind == EACH:
-            found, evaluations, near, busy = self._in_boxes(asked, span)
+            search, evaluations, near, busy = self._in_boxes(question, span)
         else:
-            found = self._search(asked, span)
-            evaluations = found.evaluations
+            search = self._search(question, span)
+            evaluations = search.evaluations
             near, busy = self._stops.near.copy(), self._stops.busy.copy()
         return StopLook(
-            found.scale,
-            found.clearance,
-            found.is_proved,
-            found.is_proved and (kind not in (ALONG, EACH) or found.scale >= 1.0),
+            search.scale,
+            search.clearance,
+            search.is_proved,
+            search.is_proved and (kind not in (ALONG, EACH) or search.scale >= 1.0),
             evaluations,
-            found.pairs,
-            not found.is_proved and 0 < demand.max_evaluations <= found.evaluations,
-            *self._pair(found),
+            search.pairs,
+            not search.is_proved and 0 < demand.max_evaluations <= search.evaluations,
+            *self._pair(search),
             near,
             busy,
         )
 
     def _in_boxes(
-        self, asked: _Asked, span: tuple[float, float]
+        self, question: _Question, span: tuple[float, float]
     ) -> tuple[_Search, int, Flags, Flags]:
         """Return where pairs are proved whose columns stop each by itself, and the evaluations.
 
@@ -208,7 +208,7 @@ class StopQueries(MotionQueries):
 
         def search(kind: int, part: tuple[float, float], parts: int) -> _Search:
             nonlocal near, busy, spent
-            it = self._search(asked._replace(kind=kind), part, parts)
+            it = self._search(question._replace(kind=kind), part, parts)
             near, busy = near | self._stops.near, busy | self._stops.busy
             spent += it.evaluations
             return it
@@ -223,31 +223,31 @@ class StopQueries(MotionQueries):
         if again.scale > first.scale:
             again = again._replace(is_proved=False, clearance=-math.inf, pairs=first.pairs)
             return again, spent, near, busy
-        self._begin(asked, span, BOXES)  # the path on which its pair was found
+        self._begin(question, span, BOXES)  # the path on which its pair was found
         return first, spent, near, busy
 
-    def _begin(self, asked: _Asked, span: tuple[float, float], parts: int) -> int:
+    def _begin(self, question: _Question, span: tuple[float, float], parts: int) -> int:
         """Write the path over a span of shares, in so many parts; return its number of edges."""
-        demand = asked.demand
+        demand = question.demand
         return int(
             begin_look(
                 self._loops.handle,
                 self._handle,
-                (asked.kind, *span, parts),
-                asked.values,
-                asked.profile,
+                (question.kind, *span, parts),
+                question.values,
+                question.profile,
                 (demand.margin, demand.resolution, demand.max_evaluations),
-                (asked.places, *asked.approach),
+                (question.places, *question.approach),
             )
         )
 
-    def _search(self, asked: _Asked, span: tuple[float, float], parts: int = 1) -> _Search:
+    def _search(self, question: _Question, span: tuple[float, float], parts: int = 1) -> _Search:
         """Return where the pairs are proved on the path over a span of shares."""
-        edges, stops = self._begin(asked, span, parts), self._stops
+        edges, stops = self._begin(question, span, parts), self._stops
         path = stops.rows, stops.curves, stops.times
         verdict = self._loops.search(path, 0, edges)
         self._refuse(verdict, 0)
-        end_look(self._loops.handle, self._handle, edges, verdict, asked.places)
+        end_look(self._loops.handle, self._handle, edges, verdict, question.places)
         out = stops.out.tolist()
         return _Search(
             verdict == CLEAR,

@@ -274,12 +274,12 @@ class ObstacleInput:
 
         def taken(X_WF: RigidTransform, settings: ObstacleSettings) -> _OfMap:
             unknown_is_free = settings.unknown == FREE
-            found = cells_from_grid(grid, settings.threshold, unknown_is_free=unknown_is_free)
-            X_WM, cells = X_WF @ found.X_FM, found.cells
+            from_grid = cells_from_grid(grid, settings.threshold, unknown_is_free=unknown_is_free)
+            X_WM, cells = X_WF @ from_grid.X_FM, from_grid.cells
             if settings.extrude is not None:
                 cells = extruded(cells, X_WM, *settings.extrude)
             # The grid shows what is above and below it, too, as far as columns reach.
-            p_WCs = X_WM.multiply(np.array([(*c, 0.0) for c in found.corners]).T).T
+            p_WCs = X_WM.multiply(np.array([(*c, 0.0) for c in from_grid.corners]).T).T
             low, high = settings.corners()
             low[:2] = np.maximum(low[:2], p_WCs[:, :2].min(axis=0))
             high[:2] = np.minimum(high[:2], p_WCs[:, :2].max(axis=0))

@@ -44,7 +44,7 @@ _TRIES = 5  # of a change beside others who change the scene all the time
 
 @dataclass(frozen=True)
 class _Kept:
-    """What holds for objects and links that come later, too."""
+    """Matrix and paddings that also hold for objects and links that come later."""
 
     matrix: AllowedCollisions | None = None
     links: Mapping[str, Enlargement] = field(default_factory=dict)

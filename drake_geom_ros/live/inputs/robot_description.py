@@ -124,9 +124,9 @@ class RobotInput:
             is_in = self._is_in(scene)
             is_named = self._topics is not None
             if not is_in and len(robot.robots) == 1:
-                known = robot_of_scene(scene, robot, is_named=is_named)
-                if known:
-                    return self._follow(scene, known, name, text, robot)
+                same_robot = robot_of_scene(scene, robot, is_named=is_named)
+                if same_robot:
+                    return self._follow(scene, same_robot, name, text, robot)
             self._refuse_same_name(source, scene)
         if is_in:
             self._live.replace(partial(self._in_its_place, robot), self._source)
@@ -144,24 +144,24 @@ class RobotInput:
         )
 
     def _follow(
-        self, scene: HeldScene, known: str, name: str, text: str, robot: SceneDescription
+        self, scene: HeldScene, same_robot: str, name: str, text: str, robot: SceneDescription
     ) -> str:
         """Leave a robot of the scene as it is, driven by the topic of its joints, if it has one.
 
         Return so in words.
         """
-        self._text, self._robot, self._followed = text, name, known
+        self._text, self._robot, self._followed = text, name, same_robot
         topic = '' if self._topics is None else self._topics.joint_states
-        (there,) = [each for each in scene.model.robots if each.name == known]
+        (there,) = [each for each in scene.model.robots if each.name == same_robot]
         if topic and not there.joint_states:
-            scene.model.route_joints(known, topic)
+            scene.model.route_joints(same_robot, topic)
         done = (
-            f'robot {self._robot!r}: this is {known!r} of the scene, which has the same links and '
-            'joints; it is followed, and not added a second time'
+            f'robot {self._robot!r}: this is {same_robot!r} of the scene, which has the same '
+            'links and joints; it is followed, and not added a second time'
         )
         if topic:
             done += f', with the joints of {there.joint_states or topic}'
-        if not has_same_shapes(scene, known, robot.geometries):
+        if not has_same_shapes(scene, same_robot, robot.geometries):
             done += '. Its shapes differ, and those of the scene count'
         return f'{done}. For another robot of this kind use the parameter robot_descriptions'
 

@@ -25,9 +25,9 @@ _SENDER = 'planning scene'
 
 @dataclass
 class SceneState:
-    """What counts of a RobotState: values of joints by ``robot::joint``, and poses of root links.
+    """Values of joints by ``robot::joint`` and poses of root links, taken from a RobotState.
 
-    ``notes`` are in words what is ignored.
+    ``notes`` describe what is ignored.
     """
 
     header: Any

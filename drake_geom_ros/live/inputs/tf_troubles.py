@@ -35,7 +35,7 @@ class Claims:
 
     def told(self, now: float) -> list[str]:
         """Return what is wrong now."""
-        claims = [told for told, heard in self._claims.values() if now - heard < _REMEMBERED]
+        claims = [text for text, heard in self._claims.values() if now - heard < _REMEMBERED]
         return claims[:SHOWN]
 
 

@@ -106,8 +106,8 @@ class Cycle:
             self.rules.look_at(scene, None, 0.0)
             return
         moment, waiting = scene.moment(), scene.waiting()
-        asked = [message for name, message in self._messages.items() if wanted[name]]
-        waiting.tell_pairs(*asked, *([self.contacts.message] if pressing else ()))
+        messages = [message for name, message in self._messages.items() if wanted[name]]
+        waiting.tell_pairs(*messages, *([self.contacts.message] if pressing else ()))
         scene.model.context.set_detailed_effects(wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None

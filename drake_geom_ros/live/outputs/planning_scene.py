@@ -115,7 +115,7 @@ class PlanningSceneTopic:
             return names.geometry_names[id]
 
         every = moveit_objects(view.query, robots, name_of)
-        kept, lacking = [], [names.frame_names[frame] for frame in every.waiting]
+        objects, lacking = [], [names.frame_names[frame] for frame in every.waiting]
         for each in every.objects:
             source, _, own = each.name.partition('::')
             if source == SOURCE and own in taken:
@@ -123,12 +123,12 @@ class PlanningSceneTopic:
             if source == MAPS or not all(self._bodies(inspector, g) for g in each.geometries):
                 lacking.append(each.name)
                 continue
-            kept.append(each)
+            objects.append(each)
         words = (
             f'{counted(len(lacking), "body")}, which MoveIt has no type for, or which wait for a '
             f'pose: {some_of(lacking)}'
         )
-        return dict(zip(ids_of(kept), kept, strict=True)), words if lacking else ''
+        return dict(zip(ids_of(objects), objects, strict=True)), words if lacking else ''
 
     def _bodies(self, inspector: SceneGraphInspector, geometry: GeometryId) -> list[MoveItBody]:
         """Return the bodies of a geometry; none where MoveIt has no type for it."""

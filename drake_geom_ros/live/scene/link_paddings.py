@@ -90,8 +90,10 @@ def with_padding(properties: ProximityProperties, padding: float) -> ProximityPr
 def unknown_links(scene: HeldScene, links: Mapping[str, Enlargement]) -> list[str]:
     """Return the names of enlarged links that no robot of the scene has."""
     robots = scene.model.robot_names()
-    known = {name for source, name in scene.model.names.labels.values() if source in robots}
-    return [name for name, each in links.items() if each != Enlargement() and name not in known]
+    link_names = {name for source, name in scene.model.names.labels.values() if source in robots}
+    return [
+        name for name, each in links.items() if each != Enlargement() and name not in link_names
+    ]
 
 
 def _geometries_of_robots(scene: HeldScene) -> Iterable[tuple[GeometryId, str]]:

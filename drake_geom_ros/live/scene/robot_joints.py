@@ -70,8 +70,8 @@ class RobotJoints:
     def go_on_as(self, before: RobotJoints) -> None:
         """Know of joints what was known before, of robots that were there."""
         for name, robot in self.robots.items():
-            if (known := before.robots.get(name)) is not None:
-                robot.know(_heard_by(known))
+            if (former := before.robots.get(name)) is not None:
+                robot.know(_heard_by(former))
 
     @cached_property
     def entries(self) -> tuple[JointEntry, ...]:

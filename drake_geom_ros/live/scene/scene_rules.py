@@ -262,8 +262,8 @@ class SceneRules:
         candidates, zones = inspector.candidate_pairs(), zones_in(inspector)
         if same_names and rules == self.rules and self._has_pairs(candidates, zones):
             version = inspector.geometry_version()
-            known = self._pairs, self._monitor.watched, self._hanging, self._frames
-            bound = BoundRules(version, -1, rules, *known, candidates, zones, query)
+            present = self._pairs, self._monitor.watched, self._hanging, self._frames
+            bound = BoundRules(version, -1, rules, *present, candidates, zones, query)
         else:
             bound = self._bound(query, rules, candidates, zones, same_names)
         if bound.watched.needed_zones.any():
@@ -304,8 +304,8 @@ class SceneRules:
             of_each = (inspector.GetFrameId(geometry).get_value() for geometry in geometries)
             frames = np.fromiter(of_each, np.int64, len(geometries))
         watched = self._monitor.watching(rules, pairs)
-        known = pairs, watched, on, frames, bodies, zones
-        return BoundRules(version, -1, rules, *known, query)
+        binding = pairs, watched, on, frames, bodies, zones
+        return BoundRules(version, -1, rules, *binding, query)
 
     def _be(self, bound: BoundRules) -> None:
         """Adopt a binding."""
@@ -355,8 +355,8 @@ class SceneRules:
         if sights:
             measured = measured._replace(unseen=self.unseen_bodies(query, sights))
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
-            known = np.array([frame.get_value() for frame in twists], dtype=np.int64)
-            lost = ~np.isin(self._frames, known)
+            moving_frames = np.array([frame.get_value() for frame in twists], dtype=np.int64)
+            lost = ~np.isin(self._frames, moving_frames)
             measured = measured._replace(unpredicted=lost)
         self._decide(now, unreliable, measured, farthest, stops)
         return computed

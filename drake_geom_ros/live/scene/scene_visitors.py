@@ -27,7 +27,7 @@ from drake_geom_ros.live.scene.scene_model import SceneModel
 
 
 class SceneVisitors:
-    """Which frames may leave, when each was named last, and which are ``absent``.
+    """Frames that may leave, with the time at which each was named last; some are ``absent``.
 
     Frames are the values of their ids.
     """

@@ -1,4 +1,4 @@
-"""What sensors saw beside bodies, and what none of them sees, for the proof that robots can stop.
+"""Matter that sensors saw beside bodies, and space that none sees, for proofs of stops.
 
 Sensed maps lack both, so that a proof against the maps alone would look free there.
 """
@@ -24,16 +24,16 @@ class Sensed(NamedTuple):
 
 
 def finding_unmapped(
-    scene_rules: SceneRules, query: QueryObject, asked: Sequence[ProximityRule], sensed: Sensed
+    scene_rules: SceneRules, query: QueryObject, rules: Sequence[ProximityRule], sensed: Sensed
 ) -> FindUnmapped | None:
-    """Return a function that finds what is beside bodies, for each rule that is ``asked`` about.
+    """Return a function that finds what is beside bodies, for each of some ``rules``.
 
     None: there is nothing. The rules are bound already.
     """
-    unseen: list[list[Unmapped]] = [[] for _ in asked]
+    unseen: list[list[Unmapped]] = [[] for _ in rules]
     if sensed.sights:
         bodies = scene_rules.unseen_bodies(query, sensed.sights)
-        for rows, rule in zip(unseen, asked, strict=True):
+        for rows, rule in zip(unseen, rules, strict=True):
             number = scene_rules.rules.index(rule)
             rows += [
                 Unmapped(*each) for each in unseen_of_rule(scene_rules.watched, bodies, number)

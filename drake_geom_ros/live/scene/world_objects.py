@@ -161,8 +161,8 @@ class PlanningWorld:
         return frames[0] if len(frames) == 1 else None
 
     def _note_strangers(self, matrix: AllowedCollisions) -> None:
-        known = self.objects.keys() | self.links().keys() | {OCTOMAP_ID}
-        strangers = [name for name in matrix.names() if name not in known]
+        names = self.objects.keys() | self.links().keys() | {OCTOMAP_ID}
+        strangers = [name for name in matrix.names() if name not in names]
         if strangers:
             self.notes.append(
                 f'allowed_collision_matrix: {some_of(strangers)} is no frame, or several, of the '

@@ -82,7 +82,7 @@ def for_the_scene(
     names = list(trajectory.joint_names)
     with live.reading() as scene:
         is_known = scene.model.joints.are_known(names)
-    foreign = [name for name, known in zip(names, is_known, strict=True) if not known]
+    foreign = [name for name, is_joint in zip(names, is_known, strict=True) if not is_joint]
     return (_without_columns(trajectory, is_known), foreign) if foreign else (trajectory, [])
 
 
@@ -91,7 +91,9 @@ def _without_columns(trajectory: TrajectoryMessage, is_known: Sequence[bool]) ->
 
     Raises ArgumentError where none is, and for a point that has not a number for each joint.
     """
-    names = [name for name, known in zip(trajectory.joint_names, is_known, strict=True) if known]
+    names = [
+        name for name, is_joint in zip(trajectory.joint_names, is_known, strict=True) if is_joint
+    ]
     if not names:
         raise ArgumentError(
             f'path is of {some_of(list(trajectory.joint_names))}, none of which is a joint of the '
@@ -131,7 +133,11 @@ class PathOfJoints(NamedTuple):
 
 
 def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
-    return [v for v, known in zip(values, is_known, strict=True) if known] if len(values) else []
+    return (
+        [v for v, is_joint in zip(values, is_known, strict=True) if is_joint]
+        if len(values)
+        else []
+    )
 
 
 def timed_path(

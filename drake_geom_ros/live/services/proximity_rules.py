@@ -52,9 +52,9 @@ def remove_proximity_rule(live: LiveScene, request: NamedRequest, response: Any)
         scene.log.notes.append(f'proximity rule {name!r} removed')
         if event is None:
             return ''
-        told = f'proximity rule {name!r} was entered by event {event}, and nobody acknowledged it'
-        scene.log.warnings.append(f'{told}; it was removed')
-        return told
+        note = f'proximity rule {name!r} was entered by event {event}, and nobody acknowledged it'
+        scene.log.warnings.append(f'{note}; it was removed')
+        return note
 
     change = Change(unchanged, then=then, rules_gone=[name], same_content=True)
     response.message = live.change(change)

@@ -49,7 +49,7 @@ class _Body(IntEnum):
 
 
 class ValidityMessages(NamedTuple):
-    """What returns an empty ContactInformation, and an empty CostSource."""
+    """Constructors of an empty ContactInformation and an empty CostSource."""
 
     new_contact: Callable[[], Any]
     new_cost_source: Callable[[], Any]

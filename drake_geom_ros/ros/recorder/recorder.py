@@ -183,8 +183,8 @@ class Definitions:
             name = waiting.pop()
             if name in self.types.fielddefs:
                 continue
-            for found, fields in get_types_from_msg(_text_of(name), name).items():
-                self.types.register({found: fields})
+            for message_type, fields in get_types_from_msg(_text_of(name), name).items():
+                self.types.register({message_type: fields})
                 waiting += [each for each in _parts(fields[1]) if each not in self.types.fielddefs]
         return self.types
 

@@ -244,8 +244,8 @@ class NodeScene:
             Rs, ps = matrices_from_poses(np.asarray(message.poses).reshape(-1, 7))
             places = np.cumsum(np.append(True, np.diff(ids) <= 0))[: len(ids)]
             for place in np.unique(places).tolist():
-                its = places == place
-                self._ghosts.append(Ghost(ids[its], Rs[its], ps[its]))
+                rows = places == place
+                self._ghosts.append(Ghost(ids[rows], Rs[rows], ps[rows]))
 
     def _ghosts_of_now(self) -> list[Ghost]:
         """Return the ghosts of bodies that are shown, unless they are of a while ago."""

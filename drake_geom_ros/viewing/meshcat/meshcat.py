@@ -40,7 +40,7 @@ _SHAPES, _LINES = Rgba(0.9, 0.9, 0.9, 1.0), Rgba(0.1, 0.1, 0.1, 1.0)  # pydrake'
 
 @dataclasses.dataclass
 class MeshcatParams:
-    """Where a ``Meshcat`` listens.
+    """Address at which a ``Meshcat`` listens.
 
     ``host`` is this machine only by default; ``port`` None is the first free one from 7000, 0 any
     free one.
@@ -148,11 +148,11 @@ class Meshcat:
         Raises:
             ArgumentError: nothing to show, or a shape that is none.
         """
-        given = [each for each in (shape, cloud, mesh) if each is not None]
-        thing = given[0] if len(given) == 1 else None
+        objects = [each for each in (shape, cloud, mesh) if each is not None]
+        thing = objects[0] if len(objects) == 1 else None
         if not isinstance(thing, (Shape, TriangleSurfaceMesh)):
             raise ArgumentError(
-                f'SetObject takes one Shape, TriangleSurfaceMesh or PointCloud, not {given}'
+                f'SetObject takes one Shape, TriangleSurfaceMesh or PointCloud, not {objects}'
             )
         if not isinstance(rgba, Rgba | None):
             raise ArgumentError(f'rgba={rgba!r} must be an Rgba; point_size goes by its name')
@@ -228,8 +228,8 @@ class Meshcat:
         """
         if (X_ParentPath is None) == (matrix is None):
             raise ArgumentError('SetTransform takes one of X_ParentPath and matrix')
-        given = matrix if X_ParentPath is None else X_ParentPath
-        X_PF = given if isinstance(given, RigidTransform) else RigidTransform(np.asarray(given))
+        pose = matrix if X_ParentPath is None else X_ParentPath
+        X_PF = pose if isinstance(pose, RigidTransform) else RigidTransform(np.asarray(pose))
         self._tree.pose(path, X_PF)
 
     def SetProperty(
@@ -259,11 +259,11 @@ class Meshcat:
         Raises ArgumentError for the same point twice, or no points.
         """
         points = []
-        for name, given in (
+        for name, values in (
             ('camera_in_world', camera_in_world),
             ('target_in_world', target_in_world),
         ):
-            point = np.array(given, dtype=np.float64).ravel()
+            point = np.array(values, dtype=np.float64).ravel()
             if point.shape != (3,) or not np.isfinite(point).all():
                 raise ArgumentError(f'{name}={point.tolist()} must be a point (3,) [m]')
             points.append(point)

@@ -1,4 +1,4 @@
-"""What a page shows, as JSON by section; browsers get the newest of each section that changed."""
+"""Content of a page as JSON by section; browsers get the newest of each section that changed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 
 class Board:
-    """The newest text of each section; those who watch are told of changes."""
+    """The newest text of each section; watchers are notified of changes."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

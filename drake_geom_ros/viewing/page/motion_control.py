@@ -1,4 +1,4 @@
-"""What moves a scene of this process: joints, a gizmo for frames, and a motion with its time."""
+"""Controls of a scene of this process: joints, a gizmo for frames, a motion with its time."""
 
 from __future__ import annotations
 
