@@ -93,7 +93,7 @@ def _code(language: str, title: str | None, text: str) -> str:
     if language == 'python':
         return _OUTPUT.sub('', text) if not title else text
     if title:
-        return f'from pathlib import Path\n\nPath({title!r}).write_text("""\\\n{text}""")'
+        return f'from pathlib import Path\n\n_ = Path({title!r}).write_text("""\\\n{text}""")'
     commands = [line[2:] for line in text.splitlines() if line.startswith('$ ')]
     # A script whose text is a cell has run already.
     return '\n'.join(f'run({each!r})' for each in commands if each != 'python balls.py')

@@ -70,7 +70,7 @@ def _by_clearance(panel: Any, costs: list[Cost]) -> None:
             label=scene,
         )
     panel.set_title('edges of 0.5 rad that are clear')
-    panel.set_xlabel('least distance of the whole edge [m]')
+    panel.set_xlabel('minimum distance of the whole edge [m]')
     panel.set_ylabel('time of a check [us]')
     panel.legend(frameon=False)
     panel.grid(alpha=0.3)
@@ -91,7 +91,7 @@ def _passages(panel: Any, costs: list[Cost]) -> None:
             label=scene,
         )
     panel.set_title('one passage at a known distance')
-    panel.set_xlabel('least distance [m]')
+    panel.set_xlabel('minimum distance [m]')
     panel.set_ylabel('evaluations of the pair (0 is drawn at 0.5)')
     panel.legend(frameon=False)
     panel.grid(alpha=0.3)

@@ -43,6 +43,9 @@ PERSON, TROLLEY = (1.5, -1.0), (0.2, -0.36)  # [m] where they stand
 EYE, TARGET = (-0.7, -2.8, 1.9), (0.75, -0.9, 0.7)  # [m] of the page's camera
 STEP = 0.02  # [s]
 RANGE = 3.0  # [m] of the sensors
+# Down the panel, to the tables of sensors and maps.
+SCROLL = """[...document.querySelectorAll('h2')].find(each => each.textContent === 'Stopping')
+.scrollIntoView()"""
 AHEAD, LONGEST = 0.05, 4.0  # [rad] of the shoulder, [s] until diagnostics know of a shadow
 SHADOW = 20  # cells that the arm hides
 X_HAND_BOX = Pose(position=Point(x=0.16), orientation=Quaternion(w=1.0))
@@ -234,6 +237,7 @@ def main() -> None:
                 carry(node)
                 stop_in_shadow(node, sender, shadow)
                 browser = opened(address(), *WINDOW)
+                browser.ask(SCROLL)
                 photograph(browser, options.out / 'mobile_cell_page.png')
                 browser.close()
     finally:

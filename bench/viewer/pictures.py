@@ -47,6 +47,7 @@ _SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
 _MOVING = 2.0  # [s] until it has drawn the same view of bodies that have moved
 _CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
 _PROVED = "!!document.querySelector('[data-outcome]')"  # which may have to be compiled
+_SELECTED = "!!document.querySelector('#selection details')"
 _COLOURS = 256  # of a picture, which is a third as large so
 _MOMENT = 5.35  # [s] of the demo's motion, with both arms above the table
 
@@ -81,10 +82,11 @@ def with_demo(out: Path) -> None:
 
     try:
         browser = opened(page.url, *_DESK)
+        browser.wait_for(lambda: browser.ask(_PROVED), 'what is proved')
         do('time', value=_MOMENT)
         names = ('left::panda_link5/collision_0', 'right::panda_link5/collision_0')
         do('select_names', names=list(names))
-        browser.wait_for(lambda: browser.ask(_PROVED), 'what is proved')
+        browser.wait_for(lambda: browser.ask(_SELECTED), 'the selection')
         photograph(browser, out / 'viewing_page.png')
         for tab in ('motion', 'view'):
             press(browser, f'to-{tab}')
@@ -119,10 +121,13 @@ def with_node(out: Path) -> None:
         press(browser, 'to-live')
         photograph(browser, out / 'viewing_node.png')
         press(browser, 'to-rules')
-        # The arms stay near each other for ten seconds, and the picture is to show that.
-        browser.wait_for(lambda: 'entered: near' not in browser.text(), 'arms that part')
-        browser.wait_for(lambda: 'entered: near' in browser.text(), 'a rule that is entered')
-        photograph(browser, out / 'proximity_rules.png', settling=_MOVING)
+        is_near = lambda: 'entered: near' in browser.text()  # noqa: E731
+        shown = False
+        while not shown:  # a picture of arms that are near each other, and still after it
+            browser.wait_for(lambda: not is_near(), 'arms that part')
+            browser.wait_for(is_near, 'a rule that is entered')
+            photograph(browser, out / 'proximity_rules.png', settling=_MOVING)
+            shown = is_near()
         browser.close()
 
 
