@@ -30,7 +30,6 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import (
     unsigned,
 )
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.runtime.larger import larger
 from drake_geom_ros.geometry._proximity.runtime.views import (
     integers,
     part,
@@ -148,8 +147,8 @@ def set_planes(
         usual = (squared > SMALL_SQUARE) & (squared < LARGE_SQUARE)
         n = scale(1.0 / math.sqrt(squared if usual else 1.0), n)
         x, y, z = dot(n, a), dot(n, b), dot(n, c)
-        highest = larger(larger(x, y), z)
-        offset = -larger(larger(-x, -y), -z)
+        highest = max(x, y, z)
+        offset = -max(-x, -y, -z)
         usual = usual & (highest - offset <= COPLANAR * EPS * size)
         set_plane(planes, f, n, offset if usual else np.inf)
     unset = 0
@@ -178,9 +177,9 @@ def set_slivers(
 @inlined
 def nearest(planes: Floats, total: int) -> int:
     """Return the first face with the least key; the number of faces if there is none."""
-    end, least = unsigned(total), -np.inf  # of negated keys, so that ``larger`` applies
+    end, least = unsigned(total), -np.inf  # of negated keys, so that ``max`` applies
     for f in range(unsigned(0), end):
-        least = larger(-planes[at(KEY, f)], least)
+        least = max(-planes[at(KEY, f)], least)
     best = end
     for f in range(unsigned(0), end):
         best = min(best, f if -planes[at(KEY, f)] == least else end)

@@ -25,7 +25,6 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, signed, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.runtime.larger import larger
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
 
 # Offsets after the coordinates.
@@ -163,7 +162,7 @@ def _slope(shape: Floats, here: int, k: int, x: float, y: float, z: float) -> fl
     The slope is the descent along (x, y, z); squaring avoids a square root.
     """
     u, v, w = sub(vertex_at(shape, k), vertex_at(shape, here))
-    fall, length = larger(-(u * x + v * y + w * z), 0.0), u * u + v * v + w * w
+    fall, length = max(-(u * x + v * y + w * z), 0.0), u * u + v * v + w * w
     return fall * fall / length if length > 0.0 else math.inf
 
 
@@ -171,9 +170,9 @@ def _slope(shape: Floats, here: int, k: int, x: float, y: float, z: float) -> fl
 def _least_slope(shape: Floats, here: int, x: float, y: float, z: float) -> int:
     """Return the vertex to which the line from vertex ``here`` has the least slope."""
     n, first = _count(shape), unsigned(1)
-    steepest = -math.inf  # of negated slopes, so that ``larger`` applies
+    steepest = -math.inf  # of negated slopes, so that ``max`` applies
     for k in range(first, n + first):
-        steepest = larger(-_slope(shape, here, k, x, y, z), steepest)
+        steepest = max(-_slope(shape, here, k, x, y, z), steepest)
     best = n
     for k in range(first, n + first):
         best = min(best, k if -_slope(shape, here, k, x, y, z) == steepest else n)
@@ -211,7 +210,7 @@ def hull_radius(shape: Floats) -> float:
     n, farthest = _count(shape), 0.0
     for k in range(unsigned(1), n + unsigned(1)):
         x, y, z = shape[k], shape[k + n], shape[k + n + n]
-        farthest = larger(x * x + y * y + z * z, farthest)
+        farthest = max(x * x + y * y + z * z, farthest)
     if SMALL_SQUARE < farthest < LARGE_SQUARE:
         return math.sqrt(farthest)
     farthest = 0.0
@@ -226,7 +225,7 @@ def farthest_along_axes(shape: Floats, R: Floats) -> Vector:
     along_x, along_y, along_z = 0.0, 0.0, 0.0
     for k in range(unsigned(1), _count(shape) + unsigned(1)):
         x, y, z = vertex_at(shape, k)
-        along_x = larger(abs(R[0, 0] * x + R[0, 1] * y + R[0, 2] * z), along_x)
-        along_y = larger(abs(R[1, 0] * x + R[1, 1] * y + R[1, 2] * z), along_y)
-        along_z = larger(abs(R[2, 0] * x + R[2, 1] * y + R[2, 2] * z), along_z)
+        along_x = max(abs(R[0, 0] * x + R[0, 1] * y + R[0, 2] * z), along_x)
+        along_y = max(abs(R[1, 0] * x + R[1, 1] * y + R[1, 2] * z), along_y)
+        along_z = max(abs(R[2, 0] * x + R[2, 1] * y + R[2, 2] * z), along_z)
     return along_x, along_y, along_z
