@@ -1,4 +1,4 @@
-"""Report of one run: its request, its computation and its files."""
+"""Report of one run: its request, its computation, its files and its exit code."""
 
 from __future__ import annotations
 

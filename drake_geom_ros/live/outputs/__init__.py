@@ -1,1 +1,1 @@
-"""Results of cycles, contact surfaces, markers, events of rules, and replay files."""
+"""Content of outputs: results of cycles, surfaces, markers, events of rules, replay files."""

@@ -1,1 +1,1 @@
-"""The handlers of services: each reads a request, and fills the response or refuses it."""
+"""Handlers of services: each reads a request, and fills the response or refuses it."""

@@ -1,4 +1,4 @@
-"""Service handlers of the node, and the table that lists them.
+"""Table of all services, and the handlers that need ROS; ``live.services`` has the others.
 
 The message of a failed call states the request, the reason and the allowed values.
 """

@@ -1,4 +1,4 @@
-"""Records that a query passes to compiled code.
+"""Slots of the last answers of pairs, and the records that a query passes to compiled code.
 
 The arrays of a world are passed as one handle (``runtime.handles``), from which compiled code
 makes the record in its first lines: ``world = world_of(world)``. The small records below are

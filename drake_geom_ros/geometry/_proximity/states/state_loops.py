@@ -1,4 +1,4 @@
-"""Compiled loops over states of one world, with its pairs and all scratch arrays."""
+"""``StateLoops``: the pairs and scratch arrays of a world, and calls of ``loops`` about them."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def capacity_for(rows: int) -> int:
 
 
 class RowChange(NamedTuple):
-    """How the rows of a table come from those of the former one, in the same order."""
+    """Mapping of the rows of a former table to those of the present one, in the same order."""
 
     total: int  # rows now
     runs: list[tuple[int, int, int]]  # former rows [first, last), and the place of the first now
@@ -68,7 +68,7 @@ class RowChange(NamedTuple):
 
     @property
     def is_in_place(self) -> bool:
-        """Whether each row that stays is where it was."""
+        """True if each row that stays is where it was."""
         return all(first == to for first, _, to in self.runs)
 
     def shared(self, before: NDArray, new: NDArray) -> NDArray:  # type: ignore[type-arg]
