@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+import yaml
 from PIL import Image
 from sensor_msgs.msg import JointState
 
@@ -44,11 +45,11 @@ _TURNING = {
     for k, q in enumerate(values, start=1)
 } | {f'{arm}::panda_finger_joint1': (0.02, 0.0) for arm in ('left', 'right')}
 _SETTLING = 8.0  # [s] until a browser without a GPU has drawn a new view
-_MOVING = 2.0  # [s] until it has drawn the same view of bodies that have moved
 _CANVAS = "document.getElementById('picture')?.contentDocument?.querySelector('canvas')"
 _PROVED = "!!document.querySelector('[data-outcome]')"  # which may have to be compiled
 _SELECTED = "!!document.querySelector('#selection details')"
 _COLOURS = 256  # of a picture, which is a third as large so
+_MEETING = 6.4  # [s] of the demo's motion, when its arms are nearest
 _MOMENT = 5.35  # [s] of the demo's motion, with both arms above the table
 
 
@@ -114,21 +115,30 @@ def with_node(out: Path) -> None:
         text = Path(SCENE).read_text(encoding='utf-8')
         scene.write_text(text + _RULES, encoding='utf-8')
         processes.start(NODE, scene_file=str(scene), max_distance=0.1)
-        processes.start(PLAYER, scene_file=str(scene), trajectory_file=MOTION, rate=20.0)
+        played = {'scene_file': str(scene), 'rate': 20.0}
+        player = processes.start(PLAYER, trajectory_file=MOTION, **played)
         processes.start(VIEWER, port=18301, max_distance=0.2)
         time.sleep(_SETTLING)
         browser = opened('http://127.0.0.1:18301/', *_DESK)
         press(browser, 'to-live')
         photograph(browser, out / 'viewing_node.png')
         press(browser, 'to-rules')
-        is_near = lambda: 'entered: near' in browser.text()  # noqa: E731
-        shown = False
-        while not shown:  # a picture of arms that are near each other, and still after it
-            browser.wait_for(lambda: not is_near(), 'arms that part')
-            browser.wait_for(is_near, 'a rule that is entered')
-            photograph(browser, out / 'proximity_rules.png', settling=_MOVING)
-            shown = is_near()
+        player.terminate()
+        processes.forget(player)
+        meeting = Path(folder) / 'meeting.yaml'
+        meeting.write_text(until_arms_meet(Path(MOTION)), encoding='utf-8')
+        processes.start(PLAYER, trajectory_file=str(meeting), loop=False, **played)
+        browser.wait_for(lambda: browser.text().count('entered: near') == 2, 'two entered rules')
+        photograph(browser, out / 'proximity_rules.png')
         browser.close()
+
+
+def until_arms_meet(path: Path) -> str:
+    """Return the demo's motion as far as its arms are nearest, without what they grasp."""
+    motion = yaml.safe_load(path.read_text(encoding='utf-8'))
+    for robot in motion['robots'].values():
+        robot['waypoints'] = [each for each in robot['waypoints'] if each['at'] <= _MEETING]
+    return yaml.safe_dump({'robots': motion['robots']})
 
 
 def with_ghost(out: Path) -> None:
@@ -207,9 +217,9 @@ def press(browser: Browser, name: str) -> None:
     browser.ask(f"document.getElementById('{name}').click()")
 
 
-def photograph(browser: Browser, path: Path, settling: float = _SETTLING) -> None:
+def photograph(browser: Browser, path: Path) -> None:
     """Write what a browser shows, once it has drawn it."""
-    time.sleep(settling)
+    time.sleep(_SETTLING)
     browser.screenshot(path)
     image = Image.open(path).convert('RGB')
     # Without rounds of k-means, plain grounds get the tint of other colours.
