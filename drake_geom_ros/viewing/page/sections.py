@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.geometry import HalfSpace
 from drake_geom_ros.viewing.cell_layers import CELL_LAYERS, CellLayer
 from drake_geom_ros.viewing.looks import PAIR_COLOURS, Colour
 from drake_geom_ros.viewing.page.motion_control import MotionControl, plain_joint
@@ -20,7 +21,8 @@ _DIGITS = 9  # of distances [m] in the table
 def scene_section(geometries: ShownGeometries, title: str) -> dict[str, Any]:
     """Return names of all bodies, and the sources with their colours."""
     sources: dict[str, list[int]] = {}
-    for look in geometries.looks:
+    # Half spaces are grey, whatever the colour of their source.
+    for look in sorted(geometries.looks, key=lambda look: isinstance(look.shape, HalfSpace)):
         sources.setdefault(look.name.partition('::')[0], _bytes(look.colour))
     shown = set(geometries.ids.tolist())
     return {

@@ -17,7 +17,8 @@ from drake_geom_ros.geometry import Box, FramePoseVector, GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.viewing.cell_layers import CellLayer
 from drake_geom_ros.viewing.extents import Extent
-from drake_geom_ros.viewing.page import serving
+from drake_geom_ros.viewing.looks import PALETTE
+from drake_geom_ros.viewing.page import sections, serving
 from drake_geom_ros.viewing.page.board import Board
 from drake_geom_ros.viewing.page.browsers import read_command
 from drake_geom_ros.viewing.page.cameras import PRESETS, fitted
@@ -56,6 +57,16 @@ def test_the_table_is_the_answer_of_the_core(opened):
     assert [row[3] for row in rows(page)] == pairs.error_bound.tolist()
     assert page.board.value('pairs')['count'] == 3
     assert page.board.value('pairs')['overlaps'] == 0
+
+
+def test_the_colour_of_a_source_is_that_of_its_bodies_not_of_the_ground(opened):
+    page, _ = opened
+    scene = sections.scene_section(page.moment.geometries, 'scene')
+    expected = {
+        name: [round(255.0 * part) for part in colour[:3]]
+        for name, colour in zip('st', PALETTE, strict=False)
+    }
+    assert dict(scene['sources']) == expected
 
 
 def test_the_options_are_the_question(opened):
