@@ -19,6 +19,7 @@ MORE = {
     '_proximity/near/grid_pairs.py _look': _CELLS,
     '_proximity/pairs/coarse_hulls.py by_coarse_hulls': _HULLS,
     '_proximity/pairs/coarse_hulls.py hit_or_call': _HULLS,
+    '_proximity/pairs/kernel_calls.py call_in_order': _HULLS,
     '_proximity/pairs/narrow_phase.py answer_pairs': (
         'called for each pair of many states: a record made before the loop over pairs made it '
         'take half as long again'

@@ -14,7 +14,6 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.addresses import HULLS, ROWS
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import is_extreme, vanishes
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -26,28 +25,21 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
     Aim,
-    OrientedShape,
-    call_kernel,
 )
-from drake_geom_ros.geometry._proximity.kernels.pair_table import TYPE_COUNT
-from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
-    coarse_hull_at,
-    end_of_header,
-)
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import coarse_hull_at
 from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, HALF_SPACE, SOLID
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import apart
 from drake_geom_ros.geometry._proximity.pairs.kernel_calls import (
     call_in_order,
-    in_order,
+    is_plain_overlap,
     overlaps_a_cell,
-    swap_sides,
 )
 from drake_geom_ros.geometry._proximity.pairs.slots import ALL, Shapes
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.runtime.views import part, row
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import part
 from drake_geom_ros.geometry._proximity.tolerances import (
     COARSE,
     EPS,
@@ -79,42 +71,6 @@ def _reach(k: int, shapes: Shapes) -> float:
     shape = part(shapes.pool, shapes.starts[k], shapes.starts[k + 1])
     at = coarse_hull_at(shape) if shapes.types[k] >= CONVEX else 0
     return shape[at] if at > 0 else 0.0
-
-
-@inlined
-def _coarse(k: int, shapes: Shapes, R_WGs: Floats) -> OrientedShape:
-    """Return the coarse hull of shape k, or the shape itself; of a solid without one, its hull."""
-    kind, start, end = shapes.types[k], shapes.starts[k], shapes.starts[k + 1]
-    shape = part(shapes.pool, start, end)
-    if kind >= CONVEX:
-        kind, at = CONVEX, coarse_hull_at(shape)
-        first = at + 1 if at > 0 else 0
-        if at > 0 or shapes.types[k] == SOLID:
-            shape = part(shapes.pool, start + first, start + end_of_header(shape, first))
-    return OrientedShape(kind, shape, row(R_WGs, k))
-
-
-@compiled
-def _call(
-    a: int,
-    b: int,
-    kernels: Addresses,
-    shapes: Shapes,
-    poses: tuple[Floats, Floats],
-    p_AB_W: Floats,
-    aim: Aim,
-    out: Floats,
-) -> None:
-    """Call the kernel of the coarse hulls of a pair, with the lower type first."""
-    types, (R_WGs, p_WGs) = shapes.types, poses
-    a, b, swapped = in_order(a, b, types, p_WGs, p_AB_W, out)
-    A, B = _coarse(a, shapes, R_WGs), _coarse(b, shapes, R_WGs)
-    address = kernels[HULLS]
-    if types[b] < SOLID:
-        address = kernels[ROWS[types[a] * TYPE_COUNT + types[b]]]
-    call_kernel(address, A, B, p_AB_W, aim, out)
-    if swapped:
-        swap_sides(p_AB_W, out)
 
 
 @inlined
@@ -185,7 +141,7 @@ def by_coarse_hulls(
     for c in range(3):
         now[NORMAL + c] = out[NORMAL + c]
     coarse_aim = Aim(aim.size, aim.tolerance, cutoff, aim.tolerance)
-    _call(a, b, kernels, shapes, poses, p_AB_W, coarse_aim, now)
+    call_in_order(a, b, kernels, shapes, poses, p_AB_W, coarse_aim, now, True)
     rounding = ROUNDING * EPS * (extent + reach)
     distance, error = now[DISTANCE], now[ERROR_BOUND] + 0.5 * reach + rounding
     lower, upper = distance - now[ERROR_BOUND] - reach, distance + now[ERROR_BOUND]
@@ -215,11 +171,13 @@ def hit_or_call(
     aim: Aim,
     enough: float,
     out: Floats,
+    scratch: Floats,
 ) -> bool:
-    """Return whether a pair is certain to be within ``enough`` [m]; else answer.
+    """Return whether a pair is within ``enough`` [m], or overlaps, for certain; else answer.
 
-    Coarse hulls say so, or a cell of a map. The answer is written to ``out`` from coarse hulls if
-    these suffice, else by the pair's kernel.
+    Coarse hulls are tried first: they take a fraction of the time in which a solid is proved to
+    overlap. Of a map one cell decides. The answer is written to ``out`` from coarse hulls if these
+    suffice, else by the pair's kernel. ``scratch`` is a row.
     """
     verdict, type_a, type_b = UNDECIDED, shapes.types[a], shapes.types[b]
     if may_decide(type_a, type_b, enough, aim.accuracy):
@@ -227,5 +185,7 @@ def hit_or_call(
     elif enough >= 0.0 and is_map(max(type_a, type_b)):
         return overlaps_a_cell(a, b, kernels, shapes, poses, p_AB_W, aim, out)
     if verdict == UNDECIDED:
-        call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)
+        if enough >= 0.0 and is_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, scratch):
+            return True
+        call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out, False)
     return verdict == HIT

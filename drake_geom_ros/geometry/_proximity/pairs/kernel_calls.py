@@ -8,6 +8,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.addresses import (
     AT_ONE_METRE,
+    HULLS,
     OVER_MAP,
     PLAIN_OVERLAP,
     ROWS,
@@ -30,6 +31,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import TYPE_COUNT
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
+    coarse_hull_at,
+    end_of_header,
+)
 from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, OPEN, SOLID
 from drake_geom_ros.geometry._proximity.pairs.slots import Shapes
@@ -54,7 +59,21 @@ def oriented(k: int, shapes: Shapes, R_WGs: Floats) -> OrientedShape:
 
 
 @inlined
-def in_order(
+def coarse(k: int, shapes: Shapes, R_WGs: Floats) -> OrientedShape:
+    """Return the coarse hull of shape k, or the shape itself; of a solid without one, its hull."""
+    kind, start, end = shapes.types[k], shapes.starts[k], shapes.starts[k + 1]
+    shape = part(shapes.pool, start, end)
+    if kind >= CONVEX:
+        at = coarse_hull_at(shape)
+        first = at + 1 if at > 0 else 0
+        if at > 0 or kind == SOLID:
+            shape = part(shapes.pool, start + first, start + end_of_header(shape, first))
+        kind = CONVEX
+    return OrientedShape(kind, shape, row(R_WGs, k))
+
+
+@inlined
+def _in_order(
     a: int, b: int, types: Indices, p_WGs: Floats, p_AB_W: Floats, out: Floats
 ) -> tuple[int, int, bool]:
     """Return a pair with the lower type first, and whether that swapped it.
@@ -72,7 +91,7 @@ def in_order(
 
 
 @inlined
-def swap_sides(p_AB_W: Floats, out: Floats) -> None:
+def _swap_sides(p_AB_W: Floats, out: Floats) -> None:
     """Make an answer about (A, B) one about (B, A)."""
     for c in range(3):
         # Measured from the origin of the other body, which is now A.
@@ -92,23 +111,34 @@ def call_in_order(
     p_AB_W: Floats,
     aim: Aim,
     out: Floats,
+    is_coarse: bool,
 ) -> None:
-    """Call a pair's kernel with the lower type first, and swap the answer back if needed."""
+    """Call a pair's kernel with the lower type first, and swap the answer back if needed.
+
+    If ``is_coarse``, the kernel is that of their coarse hulls, of which none may be extreme.
+    """
     types, (R_WGs, p_WGs) = shapes.types, poses
-    a, b, swapped = in_order(a, b, types, p_WGs, p_AB_W, out)
+    a, b, swapped = _in_order(a, b, types, p_WGs, p_AB_W, out)
     address = kernels[ROWS[_code(types[a], types[b])]]
-    A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
-    # Solids and maps, the highest types, also have areas and counts as parameters: no rescaling.
-    extreme = is_extreme(aim.size, p_AB_W)
-    extreme = extreme or vanishes(A.kind, A.shape) or vanishes(B.kind, B.shape)
-    if extreme and B.kind <= CONVEX:
-        call_by_address(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
-    elif is_map(B.kind):
-        call_by_address(kernels[OVER_MAP], address, A, B, p_AB_W, aim, out)
-    else:
+    if is_coarse:
+        if types[b] == SOLID:
+            address = kernels[HULLS]
+        A, B = coarse(a, shapes, R_WGs), coarse(b, shapes, R_WGs)
         call_kernel(address, A, B, p_AB_W, aim, out)
+    else:
+        A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
+        # Solids and maps, the highest types, also have areas and counts as parameters: no
+        # rescaling.
+        extreme = is_extreme(aim.size, p_AB_W)
+        extreme = extreme or vanishes(A.kind, A.shape) or vanishes(B.kind, B.shape)
+        if extreme and B.kind <= CONVEX:
+            call_by_address(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
+        elif is_map(B.kind):
+            call_by_address(kernels[OVER_MAP], address, A, B, p_AB_W, aim, out)
+        else:
+            call_kernel(address, A, B, p_AB_W, aim, out)
     if swapped:
-        swap_sides(p_AB_W, out)
+        _swap_sides(p_AB_W, out)
 
 
 @inlined
@@ -184,7 +214,7 @@ def overlaps_a_cell(
     """
     now = np.zeros(PAIR_WIDTH)
     any_depth = Aim(aim.size, aim.tolerance, aim.cutoff, math.inf)
-    call_in_order(a, b, kernels, shapes, poses, p_AB_W, any_depth, now)
+    call_in_order(a, b, kernels, shapes, poses, p_AB_W, any_depth, now, False)
     if now[METHOD] == OPEN and now[DISTANCE] < -2.0 * TOUCHING_DEPTH * aim.size:
         return True
     for c in range(PAIR_WIDTH):

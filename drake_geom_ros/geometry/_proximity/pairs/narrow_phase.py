@@ -46,10 +46,7 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.pairs.kernel_calls import (
-    is_plain_overlap,
-    recall,
-)
+from drake_geom_ros.geometry._proximity.pairs.kernel_calls import recall
 from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue, Search, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
@@ -225,7 +222,7 @@ def answer_pairs(
     p_AB_W, now = np.empty(3), np.empty(PAIR_WIDTH)
     limit = max(cutoff, 0.0)
     far_cutoff = math.inf if math.isinf(level_gap) else limit
-    counts[:], hit_count, any_will_do = 0, 0, enough >= 0.0
+    counts[:], hit_count = 0, 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -254,11 +251,9 @@ def answer_pairs(
                     bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     shapes, poses = Shapes(types, starts, pool), (R_WGs, p_WGs)
-                    if any_will_do and is_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, now):
-                        return _as_only_hit(k, hits, counts)
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding), level_gap)
                     recall(out, level_gap, types[a], types[b])
-                    if hit_or_call(a, b, kernels, shapes, poses, p_AB_W, aim, enough, out):
+                    if hit_or_call(a, b, kernels, shapes, poses, p_AB_W, aim, enough, out, now):
                         return _as_only_hit(k, hits, counts)
                 _widen(out, level_gap, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
