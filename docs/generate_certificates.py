@@ -104,10 +104,12 @@ point, which its support function gives in closed form. {_ROUNDING}""",
 - **Apart**: two points, one of each body, bound the distance from above. Branch and bound over the
   trees of both bodies discards boxes that are farther away. These boxes are rounded outwards, and
   the nearest of them bounds the distance from below. At accuracies of 1e-5 m and more, the gap
-  between their convex hulls along the line of the two points may be that bound. Or discs around
-  the triangles of a node replace its boxes, and the walk ends within that accuracy.
+  between their convex hulls may be that bound. Or, of two solids, discs around the triangles of a
+  node replace its boxes, and the walk ends within that accuracy.
 - **Overlapping**: a verified separating translation bounds the depth from above. A part of one
-  body that is certainly inside the other bounds it from below. The interval may stay open.""",
+  body that is certainly inside the other bounds it from below. The interval may stay open. At
+  accuracies of 1e-5 m and more the search begins with the translation that separates the hulls,
+  and ends once the bounds are within that accuracy.""",
     ),
     'sensed.pairs': Reason(
         'Maps of cells and points',

@@ -1,4 +1,4 @@
-"""Distance of two solids to an accuracy that is wanted: points above, hulls or coins below.
+"""Distance from a solid to an accuracy that is wanted: points above, hulls or coins below.
 
 Two points of the surfaces bound the distance from above, and they are found first: each is the
 nearest on its surface to the other (alternating projections, von Neumann), to less than the
@@ -8,6 +8,10 @@ of the time. Elsewhere the coins of two trees' nodes bound it: a walk leaves out
 than the best two points less the accuracy, and looks at triangles only where coins do not decide.
 Where a millimetre is wanted, this is most of a mesh of 20 000 triangles, and all of it where a
 centimetre is.
+
+Beside a core the gap from the solid's hull comes first, with the point of the core that is nearest
+to the hull; the surface's nearest point to that bounds the distance from above. Where this does
+not decide, ``exact`` answers: a core is a single leaf, and coins would not gain.
 
 The accuracy is rounded down to a power of 2, a *class*, and to half of the distance of the first
 two points, so that small gaps are seen. Bounds are widened to half the class where they are
@@ -19,7 +23,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, CLOSED, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
+    BEYOND_CUTOFF,
+    CLOSED,
+    OVERLAP,
+    distance_of_cores,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_defect
 from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
     Coin,
     coin_of_node,
@@ -66,12 +77,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     norm,
     rotate,
+    scale,
     sub,
     unit,
     unrotate,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import COARSE, ROUNDINGS_OF_A_CLASS
@@ -308,22 +320,56 @@ def within_class(pair: SolidPair, length: float, a: Vector, b: Vector) -> Coarse
     return Coarse(length, is_apart, to_class(length, end, least, best, a, b))
 
 
+@inlined
+def nothing_coarse(pair: SolidPair) -> Coarse:
+    """Return class 0, for which the kernel of ``exact`` answers."""
+    nothing = Nearest(CLOSED, math.inf, 0.0, (1.0, 0.0, 0.0), pair.p, pair.p, False)
+    return Coarse(0.0, False, nothing)
+
+
 @allocating
-def coarse_nearest(pair: SolidPair, accuracy: float) -> Coarse:
-    """Return the nearest points of two solids to an accuracy [m], or class 0.
+def nearest_to_core(pair: SolidPair, n: Vector, accuracy: float, least: float) -> Coarse:
+    """Return the nearest points of a core and a solid to an accuracy [m], or class 0.
+
+    The class is no less than ``least`` [m], and half of the distance of the grown core at most.
+    GJK starts from the unit n. Where A is grown by a ball, its point has to be the nearest to that
+    of B, for else the ball's is within A.
+    """
+    A, B, p = pair.A, pair.B, pair.p
+    to_hull = CorePair(A.kind, A.shape, A.R, CONVEX, B.shape, B.identity, scale(-1.0, p))
+    found = distance_of_cores(to_hull, n, pair.size, pair.tolerance, math.inf)
+    if found.end == OVERLAP or found.lower <= pair.radius:
+        return nothing_coarse(pair)
+    gap = found.lower - (hull_defect(A.shape) if A.kind == CONVEX else 0.0)
+    a = add(p, found.a)
+    b, _, _ = project(B.shape, B.tree, a, scratch_for(lane_tree_of(B.tree), FEW))
+    if pair.radius > 0.0:
+        to_point = CorePair(A.kind, A.shape, A.R, SPHERE, B.shape, B.identity, sub(b, p))
+        back = distance_of_cores(to_point, found.n, pair.size, pair.tolerance, math.inf)
+        a = add(p, back.a)
+    best = norm(sub(b, a))
+    length = class_for(min(accuracy, SHARE * (best - pair.radius)), least)
+    if length == 0.0 or gap < best - slack_of(pair, length):
+        return nothing_coarse(pair)
+    return Coarse(length, True, to_class(length, CLOSED, gap, best, a, b))
+
+
+@allocating
+def coarse_nearest(pair: SolidPair, n: Vector, accuracy: float) -> Coarse:
+    """Return the nearest points of a core or a solid and a solid to an accuracy [m], or class 0.
 
     Class 0 is of bodies that do not seem to be apart, and of accuracies below COARSE. Where hulls
-    do not decide it is also of accuracies too fine for coins to gain, and of solids with several
-    surfaces, one of which could be around the other body. Of two single surfaces that do not
-    cross, none is within the other body if a point of each is outside it.
+    do not decide it is also of cores, of accuracies too fine for coins to gain, and of solids with
+    several surfaces, one of which could be around the other body. Of two single surfaces that do
+    not cross, none is within the other body if a point of each is outside it. The search beside a
+    core starts from the unit n.
     """
-    nothing = Nearest(CLOSED, math.inf, 0.0, (1.0, 0.0, 0.0), pair.p, pair.p, False)
     A, B = pair.A, pair.B
-    if accuracy < COARSE or A.kind != SOLID:
-        return Coarse(0.0, False, nothing)
     least = ROUNDINGS_OF_A_CLASS * noise_of(pair)
-    if class_for(accuracy, least) == 0.0:
-        return Coarse(0.0, False, nothing)
+    if accuracy < COARSE or class_for(accuracy, least) == 0.0:
+        return nothing_coarse(pair)
+    if A.kind != SOLID:
+        return nearest_to_core(pair, n, accuracy, least)
     found = projected(pair, accuracy, least)
     length = found.length
     if found.by_hulls:
@@ -332,7 +378,7 @@ def coarse_nearest(pair: SolidPair, accuracy: float) -> Coarse:
     least = max(least, least_class(A.shape, A.tree, B.shape, B.tree))
     has_more = A.tree.pieces > 1 or B.tree.pieces > 1
     if length < least or has_more or not are_outside(pair, found):
-        return Coarse(0.0, False, nothing)
+        return nothing_coarse(pair)
     nearer = within_class(pair, length, found.a, found.b)
     while not nearer.is_apart and nearer.closest.end != OVERLAP:
         # It found points nearer than the class, so a smaller one may show that there is a gap.

@@ -14,10 +14,17 @@ enclosed between two bounds, by the same steps for every kind of A:
 For solids and boxes the boxes within them come first (``separations``): the least translation that
 separates these is a lower bound, and where it is certain to separate the bodies it is the depth.
 
+Where an accuracy is wanted, the move that separates the hulls comes first. It leads to the same
+translation in most overlaps of solids, in a tenth of the time; a push from a triangle in contact
+then has to separate the bodies at once. The search ends when the bounds are as near as is wanted
+and prove the overlap, so a larger accuracy never has narrower bounds. Where it ends without a
+proof, ``exact`` answers.
+
 Bodies are given as in ``distance``. A is its core grown by a ball of ``radius``.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -61,16 +68,44 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, ELLIPSOID, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
-from drake_geom_ros.geometry._proximity.tolerances import BEYOND_HULL, SAME_DIRECTION
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.tolerances import BEYOND_HULL, COARSE, SAME_DIRECTION
 
 MOST_PUSHES = 6  # directions that are tried
-MOST_ROUNDS = 4  # pushes one after the other
+MOST_ROUNDS = 4  # pushes one after the other; one where an accuracy is wanted
 MOST_SLIDES = 16
 STEEPEST = 0.25  # cosine of a translation and the normal at its end: four gaps a step at most
 MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 ROOM = 8.0  # roundings by which boxes are to be apart that may fit each other
+
+
+class DepthBounds(NamedTuple):
+    """Bounds of a depth: ``least <= depth of A in B <= depth = |t|`` [m].
+
+    Moved by t A is apart and touches B at b.
+    """
+
+    depth: float
+    least: float
+    t: Vector
+    b: Vector
+
+
+class DepthGoal(NamedTuple):
+    """Bounds of a depth that end its search: no farther apart than ``enough`` [m].
+
+    Their least is beyond ``proof`` [m], minus infinity where it need not prove the overlap.
+    """
+
+    enough: float
+    proof: float
+
+
+@inlined
+def is_reached(goal: DepthGoal, bounds: DepthBounds) -> bool:
+    """Return whether bounds end the search."""
+    return bounds.depth - bounds.least <= goal.enough and bounds.least > goal.proof
 
 
 @allocating
@@ -110,14 +145,14 @@ def push_of(pair: SolidPair, closest: Nearest, pushes: Floats) -> int:
 
 
 @allocating
-def escape(pair: SolidPair, t: Vector, most: float) -> tuple[bool, Vector, Nearest]:
+def escape(pair: SolidPair, t: Vector, most: float, rounds: int) -> tuple[bool, Vector, Nearest]:
     """Return (clear, t, closest): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * noise_of(pair)
     n = scale(-1.0, unit(t))
-    for turn in range(MOST_ROUNDS):
+    for turn in range(rounds):
         clear, t, closest = cleared(pair, t, n)
-        if clear or turn == MOST_ROUNDS - 1:
+        if clear or turn == rounds - 1:
             break
         count = push_of(moved(pair, t), closest, pushes)
         if count == 0:
@@ -227,51 +262,103 @@ def certain_separating_move(
 
 
 @allocating
-def bounds_of_depth(
-    pair: SolidPair, closest: Nearest
-) -> tuple[float, float, Vector, Vector, bool]:
-    """Return (depth, least, t, b, alone) of A at p, which overlaps with B.
+def with_way(pair: SolidPair, t: Vector, ahead: Nearest, bounds: DepthBounds) -> DepthBounds:
+    """Return the bounds with those from a t after which A is apart, ``ahead`` of it."""
+    t, m, a, b = slide(pair, t, ahead)
+    depth, t_best, b_best = bounds.depth, bounds.t, bounds.b
+    if norm(t) < depth:
+        depth, t_best, b_best = norm(t), t, b
+    least = max(bounds.least, deepest_touching(pair, t, (a, b, m)))
+    return DepthBounds(depth, least, t_best, b_best)
 
-    ``least <= depth of A in B <= depth = |t|``: moved by t A is apart and touches B at b. Not
-    ``alone``: another separating translation, along a clearly different direction, is as short.
+
+@allocating
+def with_pushes(
+    pair: SolidPair, closest: Nearest, bounds: DepthBounds, goal: DepthGoal, rounds: int
+) -> DepthBounds:
+    """Return the bounds with those from contacts, until they reach the goal."""
+    pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
+    for k in range(push_of(pair, closest, pushes)):
+        if is_reached(goal, bounds):
+            break
+        m, s = vector_at(pushes[k], PUSH_WAY), pushes[k, PUSH_LENGTH] + BACK_OFF * noise_of(pair)
+        if s < bounds.depth:
+            clear, t, ahead = escape(pair, scale(s, m), bounds.depth, rounds)
+            if clear:
+                bounds = with_way(pair, t, ahead, bounds)
+    return bounds
+
+
+@allocating
+def with_hulls(pair: SolidPair, bounds: DepthBounds) -> DepthBounds:
+    """Return the bounds with those from the move that separates the hulls."""
+    m, s = separating_move_of_hulls(pair)
+    out = scale(s + BACK_OFF * noise_of(pair), m)
+    clear, t, ahead = cleared(pair, out, scale(-1.0, m))
+    if clear:
+        return with_way(pair, t, ahead, bounds)
+    if s < bounds.depth:  # by rounding: hulls that are apart are apart
+        b = where_it_touches(moved(pair, out), m)
+        return DepthBounds(norm(out), bounds.least, out, b)
+    return bounds
+
+
+@allocating
+def with_boxes(pair: SolidPair, bounds: DepthBounds) -> tuple[DepthBounds, bool]:
+    """Return the bounds with those from the boxes within the bodies, and ``alone`` of these."""
+    least, depth, t, b, alone = by_boxes(pair, bounds.least, math.inf)
+    if depth < bounds.depth:
+        return DepthBounds(depth, least, t, b), alone
+    return DepthBounds(bounds.depth, least, bounds.t, bounds.b), alone
+
+
+@allocating
+def coarse_bounds(
+    pair: SolidPair, closest: Nearest, bounds: DepthBounds, goal: DepthGoal
+) -> DepthBounds:
+    """Return the bounds with those from the quickest ways out, until they reach the goal."""
+    bounds = with_hulls(pair, bounds)
+    if not is_reached(goal, bounds):
+        bounds, _ = with_boxes(pair, bounds)
+    if not is_reached(goal, bounds):
+        bounds = with_pushes(pair, closest, bounds, goal, 1)
+    return bounds
+
+
+@allocating
+def bounds_of_depth(
+    pair: SolidPair, closest: Nearest, accuracy: float
+) -> tuple[DepthBounds, bool]:
+    """Return the bounds of the depth of A at p, which overlaps with B, and whether t is alone.
+
+    Not alone: another separating translation, along a clearly different direction, may be as
+    short. From an ``accuracy`` [m] of COARSE on, the bounds need not be nearer than that.
     """
     # Whatever is tried or left out, both bounds hold: each t was verified to separate, and each
     # depth is of balls in both bodies. Trying less only leaves them farther apart, which the
     # answer's error bound reports.
-    pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     A, B, p, radius = pair.A, pair.B, pair.p, pair.radius
-    back_off = BACK_OFF * noise_of(pair)
-    enough = max(0.5 * pair.tolerance, 4.0 * back_off)
-    least = 0.0
+    rounding, least = 4.0 * BACK_OFF * noise_of(pair), 0.0
+    enough = max(0.5 * pair.tolerance, rounding)
     if closest.end != OVERLAP and closest.upper < radius:
         least = radius - closest.upper
     if A.kind != SOLID:
         ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_in_solid(B, middle_of(A, p)))
-    depth, t_best, b_best = math.inf, p, p
-    least, depth, t_best, b_best, alone = by_boxes(pair, least, math.inf)
-    if depth - least <= enough:
-        return depth, min(least, depth), t_best, b_best, alone
-    count = push_of(pair, closest, pushes)
-    for k in range(count + 1):
-        if depth - least <= enough:
-            break
-        if k < count:
-            m, s = vector_at(pushes[k], PUSH_WAY), pushes[k, PUSH_LENGTH] + back_off
-            if s >= depth:
-                continue
-            clear, t, ahead = escape(pair, scale(s, m), depth)
-        else:
-            m, s = separating_move_of_hulls(pair)
-            out = scale(s + back_off, m)
-            clear, t, ahead = cleared(pair, out, scale(-1.0, m))
-            if not clear and s < depth:  # by rounding: hulls that are apart are apart
-                depth, t_best = norm(out), out
-                b_best = where_it_touches(moved(pair, out), m)
-        if clear:
-            t, m, a, b = slide(pair, t, ahead)
-            if norm(t) < depth:
-                depth, t_best, b_best = norm(t), t, b
-            deep = deepest_touching(pair, t, (a, b, m))
-            least = max(least, deep)
-    return depth, min(least, depth), t_best, b_best, closest.unique
+    start = DepthBounds(math.inf, least, p, p)
+    if accuracy >= COARSE:
+        # Motions, too, decide by a least depth, so it has to prove the overlap.
+        goal = DepthGoal(max(enough, accuracy), rounding)
+        bounds = coarse_bounds(pair, closest, start, goal)
+        if bounds.least > rounding:
+            depth, least, t, b = bounds
+            return DepthBounds(depth, min(least, depth), t, b), False
+    goal = DepthGoal(enough, -math.inf)
+    bounds, alone = with_boxes(pair, start)
+    if not is_reached(goal, bounds):
+        alone = closest.unique
+        bounds = with_pushes(pair, closest, bounds, goal, MOST_ROUNDS)
+        if not is_reached(goal, bounds):
+            bounds = with_hulls(pair, bounds)
+    depth, least, t, b = bounds
+    return DepthBounds(depth, min(least, depth), t, b), alone

@@ -121,9 +121,9 @@ def beyond(pair: SolidPair, n: Vector, lower: float) -> Answer:
 
 
 @compiled
-def overlap(pair: SolidPair, closest: Nearest) -> Answer:
-    """Return the answer about a pair that overlaps."""
-    depth, least, t, b, alone = bounds_of_depth(pair, closest)
+def overlap(pair: SolidPair, closest: Nearest, accuracy: float) -> Answer:
+    """Return the answer about a pair that overlaps, to an accuracy [m] if the search finds it."""
+    (depth, least, t, b), alone = bounds_of_depth(pair, closest, accuracy)
     noise, tolerance = noise_of(pair), pair.tolerance
     m, unique = unit(t), alone and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
@@ -175,8 +175,11 @@ def point(pair: SolidPair, closest: Nearest, stand: int) -> Answer:
 
 
 @allocating
-def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
-    """Return the answer about a pair, a bound alone if it is beyond the cutoff [m]."""
+def answer_of(pair: SolidPair, n: Vector, cutoff: float, accuracy: float) -> Answer:
+    """Return the answer about a pair, a bound alone if it is beyond the cutoff [m].
+
+    The ``accuracy`` [m] is that of depths.
+    """
     noise, radius = noise_of(pair), pair.radius
     closest = nearest_within(pair, n, max(cutoff, 0.0) + radius + noise, touch_of(pair))
     ways = np.empty((MOST_WAYS, WAY_WIDTH))
@@ -191,7 +194,7 @@ def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
     if pair.A.kind == SPHERE and radius == 0.0 and closest.end != BEYOND_CUTOFF:
         return point(pair, closest, stand)
     if stand == OVERLAPS:
-        return overlap(pair, closest)
+        return overlap(pair, closest, accuracy)
     if closest.end == BEYOND_CUTOFF:
         return beyond(pair, closest.n, closest.lower - radius - noise)
     if stand == MAY_OVERLAP:
@@ -203,13 +206,13 @@ def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
 def answer_to(pair: SolidPair, n: Vector, cutoff: float, accuracy: float) -> Answer:
     """Return the answer about a pair to an accuracy [m], 0 for that of the pair's tolerance.
 
-    Where coins have not shown that the bodies are apart, ``exact`` answers, and its bound is as
-    wide as theirs are at least: a larger accuracy has no narrower one.
+    Where it is not shown that the bodies are apart, ``exact`` answers about their distance, and
+    its bound is as wide as that of coins at least: a larger accuracy has no narrower one.
     """
-    coarse = coarse_nearest(pair, accuracy)
+    coarse = coarse_nearest(pair, n, accuracy)
     if coarse.is_apart:
         return separation(pair, coarse.closest, 0.0)
-    answer = answer_of(pair, n, cutoff)
+    answer = answer_of(pair, n, cutoff, accuracy)
     if answer.distance <= 0.0 or answer.method != MESH:
         return answer
     m, a, b, distance, error, unique, method = answer

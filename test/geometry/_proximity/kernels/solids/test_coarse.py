@@ -7,20 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import config
-from oracles.forms import kernel_form
-from oracles.kernel_calls import call_for_pair
+from oracles.accuracies import ACCURACIES, check_rows, row_to
 from oracles.solids import parts_gap, solid
 
 from drake_geom_ros.cross_check.bodies import Body
-from drake_geom_ros.cross_check.surfaces import nearest_points
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    METHOD,
     NORMAL,
-    PAIR_WIDTH,
-    WITNESS_A,
-    WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.coarse import class_of
 from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
@@ -30,74 +24,13 @@ from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
     separation_of_coins,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.packing import leaf_bounds
-from drake_geom_ros.geometry._proximity.kernels.solids.pairs import signed_distance_to_solid
-from drake_geom_ros.geometry._proximity.kinds import MESH, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import COARSE
 from truth.bodies.mesh_bodies import mesh_body
 from truth.bodies.random_bodies import random_directions, random_rotation
 from truth.references.meshes import parts_of
 
 EXAMPLES = 5 if config.DISABLE_JIT else 60
-# Over the size of the bodies, which have few triangles; the smallest ones leave all to ``exact``.
-ACCURACIES = (1.0, 0.3, 0.08, 0.02, 5e-3, 1e-3, 1e-5)
 NAMES = ('L', 'U', 'ring')
-
-
-def row_to(a, b, accuracy):
-    """Return the row of two solids to an accuracy [m], 0 for that of ``exact``."""
-    (kind_A, shape_A), (kind_B, shape_B) = kernel_form(a), kernel_form(b)
-    assert kind_A == kind_B == SOLID
-    out = np.zeros(PAIR_WIDTH)
-    gap = 1e-9 * min(1.0, a.radius, b.radius)
-    bodies = kind_A, shape_A, a.R, kind_B, shape_B, b.R
-    kernel = signed_distance_to_solid
-    call_for_pair(kernel, *bodies, b.p - a.p, gap, math.inf, out, accuracy)
-    assert np.isfinite(out).all()
-    return out
-
-
-def check_rows(a, b, scale):
-    """Check the laws of all accuracies against the row of ``exact``, and return that."""
-    exact = row_to(a, b, 0.0)
-    size = a.radius + b.radius + np.linalg.norm(b.p - a.p)
-    rounding = 1e-13 * size
-    # [m] A direction is as good as the distance along it, and so are the points across it.
-    across = math.sqrt(2.0 * max(exact[DISTANCE], 0.0) * exact[ERROR_BOUND])
-    widest = math.inf
-    for accuracy in scale * np.array(ACCURACIES):
-        out = row_to(a, b, accuracy)
-        if exact[DISTANCE] < exact[ERROR_BOUND]:
-            assert (out == exact).all() or out[DISTANCE] > 0.0
-        off = abs(out[DISTANCE] - exact[DISTANCE])
-        assert off <= out[ERROR_BOUND] + exact[ERROR_BOUND], (accuracy, out, exact)
-        if exact[DISTANCE] > exact[ERROR_BOUND] and exact[METHOD] == MESH:
-            assert out[METHOD] == MESH
-            assert out[ERROR_BOUND] <= max(accuracy, exact[ERROR_BOUND]) + rounding
-            # A smaller length never has a wider bound.
-            assert out[ERROR_BOUND] <= widest + rounding
-            widest = out[ERROR_BOUND]
-            n, apart = out[NORMAL : NORMAL + 3], out[WITNESS_A : WITNESS_A + 3]
-            apart = apart - out[WITNESS_B : WITNESS_B + 3]
-            assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
-            assert apart == pytest.approx(out[DISTANCE] * n, abs=rounding)
-            for each, witness in ((a, WITNESS_A), (b, WITNESS_B)):
-                away = nearest(each, a.p + out[witness : witness + 3])
-                assert away <= across + 16.0 * rounding  # the points are on the surfaces
-            swapped = row_to(b, a, accuracy)
-            between = abs(swapped[DISTANCE] - out[DISTANCE])
-            assert between <= swapped[ERROR_BOUND] + out[ERROR_BOUND]
-    # Other accuracies, asked before, change nothing.
-    assert (row_to(a, b, 0.0) == exact).all()
-    widest = row_to(a, b, scale)
-    assert (row_to(a, b, 0.0) == exact).all()
-    assert (row_to(a, b, scale) == widest).all()
-    return exact
-
-
-def nearest(each, p_W):
-    """Return the distance [m] of a point from the surface of a body, by all its triangles."""
-    q = each.R.T @ (p_W - each.p)
-    return np.linalg.norm(nearest_points(each.corners, q) - q, axis=1).min()
 
 
 @settings(max_examples=EXAMPLES)

@@ -63,7 +63,7 @@ def test_a_ball_escapes_by_one_push_after_another_until_it_touches_every_wall(ga
     pair = at((1.0 + gaps[0], 1.0 + gaps[1], 0.5))
     expected = np.maximum(start, [0.1 - gaps[0], 0.1 - gaps[1], 0.0])
     for most, is_out in ((1.0, True), (0.03, False)):
-        clear, t, _ = solid_overlap.escape(pair, start, most)
+        clear, t, _ = solid_overlap.escape(pair, start, most, solid_overlap.MOST_ROUNDS)
         assert clear == is_out
         assert not is_out or t == pytest.approx(expected, abs=1e-12)
         apart, _, _ = cleared(pair, t, LEFT)
