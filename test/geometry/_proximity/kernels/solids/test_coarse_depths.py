@@ -48,8 +48,8 @@ def check_depths(a, b, rounding):
         shallowest = out[DISTANCE] + out[ERROR_BOUND]
         assert shallowest < 0.0 or rows[-1][DISTANCE] + rows[-1][ERROR_BOUND] >= 0.0
         assert closer[DISTANCE] + closer[ERROR_BOUND] <= shallowest + rounding
-        # The translation separates.
-        moved = a.at(a.p - (out[DISTANCE] - 16.0 * rounding) * out[NORMAL : NORMAL + 3])
+        # The translation separates, to the gap that iterations aim for.
+        moved = a.at(a.p - (out[DISTANCE] - 1e-8) * out[NORMAL : NORMAL + 3])
         assert row_to(moved, b, 0.0)[DISTANCE] >= 0.0
         assert (row_to(a, b, accuracy) == out).all()  # whatever was asked before
     return rows
