@@ -9,13 +9,14 @@ import csv
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from bench.accuracy import arms, lengths, overview
+from bench.accuracy import arms, cell, lengths, overview
 from bench.motion import costs, costs_page
 from bench.stopping import options
 
 FOLDER = Path(__file__).resolve().parents[1] / 'docs/accuracy'
 # The type of a row, and what draws rows, by the name of the picture and of its table.
 PICTURES: dict[str, tuple[Any, Any]] = {
+    'cell': (cell.Row, cell.draw),
     'motions': (costs.Cost, costs_page.draw),
     'stopping_options': (options.Row, options.draw),
 }

@@ -60,7 +60,8 @@ class Row:
 class Arms:
     """Two arms that face each other, with their meshes."""
 
-    def __init__(self, family: str, folder: Path) -> None:
+    def __init__(self, family: str, folder: Path, scenery: str = '') -> None:
+        """Load the arms of a family, and ``scenery``, further keys of a scene file."""
         files, meshes, solid = FAMILIES[family]
         urdf, srdf = (ResourceResolver().resolve(ROBOTS + file, folder) for file in files)
         text = urdf.read_text()
@@ -77,7 +78,7 @@ class Arms:
         self.scene_graph = geometry.SceneGraph()
         warnings.simplefilter('ignore')  # visual meshes are open, so points measure to hulls
         begun = time.process_time()
-        loaded = load_scene(f'name: arms\nrobots:\n{robots}', self.scene_graph)
+        loaded = load_scene(f'name: arms\nrobots:\n{robots}{scenery}', self.scene_graph)
         self.joints = Joints.of(loaded)
         self.checker = Checker(self.scene_graph, self.joints, 0.0, ignore_limits=True)
         self.seconds = time.process_time() - begun

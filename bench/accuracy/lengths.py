@@ -28,12 +28,16 @@ from truth.peers import registry
 OUT = ROOT / 'docs/accuracy'
 LENGTHS = (1e-9, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)  # [m]
 NEAREST, FARTHEST = 0.002, 0.2  # [m] apart
+BALL = ('Ball', 20000)
+# The names and sizes of both bodies.
 FAMILIES = {
-    'balls with dents, 20 480 triangles': ('Ball', 20000),
-    'balls with dents, 1280 triangles': ('Ball', 1300),
-    'L of two boxes, 20 412 triangles': ('L', 20000),
-    'hulls, 500 vertices': ('Convex', 500),
-    'cylinders': ('Cylinder', 0),
+    'balls with dents, 20 480 triangles': (BALL, BALL),
+    'balls with dents, 1280 triangles': (('Ball', 1300), ('Ball', 1300)),
+    'L of two boxes, 20 412 triangles': (('L', 20000), ('L', 20000)),
+    'box and ball with dents, 20 480 triangles': (('Box', 0), BALL),
+    'hull, 64 vertices, and ball with dents, 20 480 triangles': (('Convex', 64), BALL),
+    'hulls, 500 vertices': (('Convex', 500), ('Convex', 500)),
+    'cylinders': (('Cylinder', 0), ('Cylinder', 0)),
 }
 OF_TRIANGLES = ('python-fcl', 'Coal')  # peers that take a mesh as its triangles
 OF_SHAPES = ('pydrake', 'python-fcl', 'Coal', 'MuJoCo')
@@ -51,20 +55,17 @@ class Row:
     error_bound: float  # [m] at most; of a peer, the largest difference from the gap
 
 
-def bodies(name: str, size: int, rng: np.random.Generator) -> tuple[Body, Body]:
-    """Return two bodies of a family."""
-    if name in ('Ball', 'L'):
-        return mesh_body(name, size), mesh_body(name, size)
-    return random_body(rng, name, size), random_body(rng, name, size)
+def body_of(name: str, size: int, rng: np.random.Generator) -> Body:
+    """Return a body of a family."""
+    return mesh_body(name, size) if name in ('Ball', 'L') else random_body(rng, name, size)
 
 
 def measure(family: str, pairs: int) -> list[Row]:
     """Return the rows of a family: pairs at random poses and gaps."""
-    name, size = FAMILIES[family]
     rng = np.random.default_rng(0)
-    a, b = bodies(name, size, rng)
+    a, b = (body_of(name, size, rng) for name, size in FAMILIES[family])
     scene = PairScene(a, b)
-    names = [x for x in _peers_of(name) if x in registry.installed()]
+    names = [x for x in _peers_of(FAMILIES[family][1][0]) if x in registry.installed()]
     peers = [registry.load(x).pair('signed_distance', a.shape, b.shape) for x in names]
     ways = len(LENGTHS) + len(peers)
     seconds, bounds = np.empty((pairs, ways)), np.empty((pairs, ways))
@@ -115,11 +116,11 @@ at 1e-9 m over that at the accuracy, by medians and by means: above 1 is faster.
 largest `error_bound`; of a peer it is the largest difference from the gap at which the bodies were
 placed. Solids are compared with peers that take the same triangles; others take their hulls.
 
-Pairs of two solids gain most from 1 mm on. Where neither reaches into a dent of the other, the
+Pairs with a solid gain most from 1 mm on. Where neither body reaches into a dent of the other, the
 gap between their convex hulls decides, within a microsecond once two points are found; elsewhere
-discs around their triangles do. Where triangles are much larger than the accuracy, the kernel of
-`exact` answers. Other shapes take the same time at every accuracy, hulls of 500 vertices too: most
-of it is the call from Python.
+discs around the triangles of two solids do. Where triangles are much larger than the accuracy, the
+kernel of `exact` answers. Other shapes take the same time at every accuracy, hulls of 500 vertices
+too: most of it is the call from Python.
 
 The right panel is of two arms ([arms](arms.md)): all distances up to 0.2 m of a state.
 

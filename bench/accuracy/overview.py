@@ -20,8 +20,9 @@ from bench.pages import PALETTE
 
 matplotlib.use('Agg')
 
-PICTURE = 'overview.png'
+PICTURE, CELL_PICTURE = 'overview.png', 'cell.png'
 FINEST, COARSEST = 1e-9, 1e-1  # [m]
+COLOURS = (*PALETTE, '#009e73', '#cc79a7')
 MARKERS = {'pydrake': 's', 'python-fcl': '^', 'Coal': '*', 'MuJoCo': 'D'}
 
 
@@ -46,7 +47,7 @@ def draw(pairs: Iterable[TimedPair], arms: Iterable[Timed], path: Path) -> None:
     figure, (left, right) = pyplot.subplots(
         ncols=2, figsize=(11.0, 6.4), layout='constrained', sharex=True
     )
-    colours = _lines(left, [row for row in pairs if row.library == OURS])
+    colours = draw_lines(left, [row for row in pairs if row.library == OURS])
     peers = [row for row in pairs if row.library != OURS]
     for row in peers:
         left.plot(
@@ -57,17 +58,11 @@ def draw(pairs: Iterable[TimedPair], arms: Iterable[Timed], path: Path) -> None:
             markeredgecolor='black',
             markersize=13 if row.library == 'Coal' else 8,
         )
-    _lines(right, arms)
+    draw_lines(right, arms)
     left.set_title(
         'one pair, 2 mm to 0.2 m apart;\npeers at their worst error (left edge: that or less)'
     )
     right.set_title('two arms, all distances up to 0.2 m of a state')
-    for axes in (left, right):
-        axes.set_xscale('log')
-        axes.set_yscale('log')
-        axes.set_xlabel('accuracy that is wanted, largest error [m]')
-        axes.set_ylabel('time [us]')
-        axes.grid(alpha=0.3)
     handles = left.get_legend_handles_labels()[0]
     handles += [
         Line2D([], [], marker=marker, color='white', markeredgecolor='black', label=name)
@@ -80,13 +75,18 @@ def draw(pairs: Iterable[TimedPair], arms: Iterable[Timed], path: Path) -> None:
     pyplot.close(figure)
 
 
-def _lines(axes: Axes, rows: Iterable[Timed]) -> dict[str, str]:
-    """Draw a line a family; return their colours."""
+def draw_lines(axes: Axes, rows: Iterable[Timed]) -> dict[str, str]:
+    """Draw a line a family, time over accuracy; return their colours."""
+    axes.set_xscale('log')
+    axes.set_yscale('log')
+    axes.set_xlabel('accuracy that is wanted, largest error [m]')
+    axes.set_ylabel('time [us]')
+    axes.grid(alpha=0.3)
     families: dict[str, list[Timed]] = {}
     for row in rows:
         if row.accuracy > 0.0:
             families.setdefault(row.family, []).append(row)
-    colours = dict(zip(families, PALETTE, strict=False))
+    colours = dict(zip(families, COLOURS, strict=False))
     for family, of_family in families.items():
         lengths, times = zip(*((r.accuracy, r.microseconds) for r in of_family), strict=True)
         axes.plot(lengths, times, 'o-', color=colours[family], label=family)

@@ -17,7 +17,11 @@ LEVELS_PICTURE = 'levels.png'
 OVERVIEW = f"""![Time over the accuracy that is wanted]({overview.PICTURE})
 
 [What an accuracy costs](lengths.md) has the figures of pairs and peers, [two arms](arms.md) those
-of arms: `python -m bench.redraw` draws both.
+of arms. The same for [a whole cell and for motions](cell.md):
+
+![Time of a cell and of motions over the accuracy that is wanted]({overview.CELL_PICTURE})
+
+`python -m bench.redraw` draws both.
 """
 QUERY_TITLES = {
     'signed_distance': 'Signed distance',
