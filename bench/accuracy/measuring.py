@@ -153,8 +153,9 @@ class Measurement:
         spent: list[list[tuple[float, float]]] = [[] for _ in query.mine]
 
         def our_turns() -> None:
-            for level, taken in zip(LEVELS, spent, strict=True):
-                taken.append(timed.cycle(query.name, level, self._rng, max(pairs, 1)))
+            # In random order: the first level finds cold caches after the peers' turns.
+            for k in self._rng.permutation(len(LEVELS)):
+                spent[k].append(timed.cycle(query.name, LEVELS[k], self._rng, max(pairs, 1)))
 
         our_turns()  # compiles, or loads, what is needed
         calls = self._turns(query, our_turns)
