@@ -15,7 +15,7 @@ from bench.peers.scenes import QUERIES
 matplotlib.use('Agg')
 
 COLOURS = dict(
-    zip(LIBRARIES, ('#1f6fb4', '#222222', '#d9822b', '#9a9a9a', '#4d9a5b'), strict=True)
+    zip(LIBRARIES, ('#1f6fb4', '#222222', '#d9822b', '#9a9a9a', '#56b4e9'), strict=True)
 )
 TITLES = {
     'penetration': 'penetrations',
