@@ -8,6 +8,7 @@ and no safety function: see docs/what_it_vouches_for.md.
 import rclpy
 from gripper import Gripper
 from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
@@ -17,6 +18,7 @@ from drake_geom_ros.client import ProximityMonitor
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
 PERIOD = 0.02  # [s] between two words on ~/stop
+PATIENCE = 5.0  # [s] for listeners to have the last one
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -48,8 +50,9 @@ class StopMonitor(Node):
         self._stop.publish(Bool(data=bool(self._monitor.why_stop())))
 
     def stop_for_good(self):
-        """Leave stop as the last word."""
+        """Leave stop as the last word, with who listens: a writer that ends sends nothing again."""
         self._stop.publish(Bool(data=True))
+        self._stop.wait_for_all_acked(Duration(seconds=PATIENCE))
 
 
 def main():
