@@ -36,6 +36,7 @@ def environment():
         'ROS_DOMAIN_ID': domain,
         'PYTHONPATH': os.pathsep.join(paths),
         'PYTHONUNBUFFERED': '1',
+        'PYTHONFAULTHANDLER': '1',  # a crash writes the stacks of all threads into the log
     }
 
 

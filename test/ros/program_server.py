@@ -11,6 +11,7 @@ the program has ended. The server ends when the socket is closed.
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import json
 import os
@@ -85,6 +86,7 @@ def become(program: str, arguments: list[str], environment: dict[str, str], log:
     os.dup2(output, 1)
     os.dup2(output, 2)
     os.close(output)
+    faulthandler.enable()  # PYTHONFAULTHANDLER is read at the start of an interpreter
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = [program, *arguments]
