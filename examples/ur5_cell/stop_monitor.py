@@ -50,7 +50,7 @@ class StopMonitor(Node):
         self._stop.publish(Bool(data=bool(self._monitor.why_stop())))
 
     def stop_for_good(self):
-        """Leave stop as the last word, with who listens: a writer that ends sends nothing again."""
+        """Leave stop as the last word: a writer that ends does not send it again."""
         self._stop.publish(Bool(data=True))
         self._stop.wait_for_all_acked(Duration(seconds=PATIENCE))
 
