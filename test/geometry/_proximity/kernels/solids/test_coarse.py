@@ -174,6 +174,16 @@ def test_a_solid_of_two_surfaces_takes_less_than_exact_where_nothing_is_between_
     assert (row_to(a, b, 0.03) == row_to(a, b, 0.0)).all()
 
 
+def test_a_surface_within_the_other_body_is_an_overlap_at_every_accuracy():
+    """The nearest points are of another surface, which is outside: no two surfaces cross."""
+    a = pair_of_balls(4.5).scaled(0.2).at(np.array([0.45, 0.0, 0.0]))
+    b = mesh_body('Ball', 1300).scaled(5.0)
+    for one, other in ((a, b), (b, a)):
+        for accuracy in (0.0, *ACCURACIES):
+            out = row_to(one, other, accuracy)
+            assert out[DISTANCE] + out[ERROR_BOUND] < 0.0, accuracy
+
+
 def pin():
     """Return a plate with a spike 0.1 m long and 10 um thick: its faces are needles."""
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
