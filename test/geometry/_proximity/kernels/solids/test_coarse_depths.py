@@ -86,7 +86,8 @@ def test_accuracies_agree_about_bodies_in_a_ball_with_dents(seed, kind, deep):
         return
     A = A.at(A.p - (apart[DISTANCE] + deep) * apart[NORMAL : NORMAL + 3])
     if row_to(A, B, 0.0)[DISTANCE] < -1e-9:
-        check_depths(A, B, 1e-11)
+        # ``exact`` is content with this, and hulls may lead to a way that is shorter by less.
+        check_depths(A, B, 1e-9 * min(1.0, A.radius, B.radius))
 
 
 def test_a_shallow_depth_ends_early_within_what_is_wanted():
