@@ -347,12 +347,13 @@ def bounds_of_depth(
         least = max(least, ball + depth_in_solid(B, middle_of(A, p)))
     start = DepthBounds(math.inf, least, p, p)
     if accuracy >= COARSE:
-        # Motions, too, decide by a least depth, so it has to prove the overlap.
-        goal = DepthGoal(max(enough, accuracy), rounding)
-        bounds = coarse_bounds(pair, closest, start, goal)
-        if bounds.least > rounding:
-            depth, least, t, b = bounds
-            return DepthBounds(depth, min(least, depth), t, b), False
+        # Widened by what ``exact`` is content with, they are no narrower than its own. The least
+        # depth has to prove the overlap, by which motions, too, decide.
+        goal = DepthGoal(max(enough, accuracy - 2.0 * enough), rounding + enough)
+        depth, least, t, b = coarse_bounds(pair, closest, start, goal)
+        least = min(least, depth) - enough
+        if least > rounding:
+            return DepthBounds(depth + enough, least, t, b), False
     goal = DepthGoal(enough, -math.inf)
     bounds, alone = with_boxes(pair, start)
     if not is_reached(goal, bounds):

@@ -48,9 +48,13 @@ def check_depths(a, b, rounding):
         shallowest = out[DISTANCE] + out[ERROR_BOUND]
         assert shallowest < 0.0 or rows[-1][DISTANCE] + rows[-1][ERROR_BOUND] >= 0.0
         assert closer[DISTANCE] + closer[ERROR_BOUND] <= shallowest + rounding
-        # The translation separates, to the gap that iterations aim for.
-        moved = a.at(a.p - (out[DISTANCE] - 1e-8) * out[NORMAL : NORMAL + 3])
-        assert row_to(moved, b, 0.0)[DISTANCE] >= 0.0
+        # The translation separates: nothing overlaps for certain, nor at all a little farther on.
+        nearby, beyond = (
+            row_to(a.at(a.p - (out[DISTANCE] - more) * out[NORMAL : NORMAL + 3]), b, 0.0)
+            for more in (16.0 * rounding, 1e-8)
+        )
+        assert nearby[DISTANCE] + nearby[ERROR_BOUND] >= 0.0
+        assert beyond[DISTANCE] >= 0.0
         assert (row_to(a, b, accuracy) == out).all()  # whatever was asked before
     return rows
 
@@ -86,8 +90,7 @@ def test_accuracies_agree_about_bodies_in_a_ball_with_dents(seed, kind, deep):
         return
     A = A.at(A.p - (apart[DISTANCE] + deep) * apart[NORMAL : NORMAL + 3])
     if row_to(A, B, 0.0)[DISTANCE] < -1e-9:
-        # ``exact`` is content with this, and hulls may lead to a way that is shorter by less.
-        check_depths(A, B, 1e-9 * min(1.0, A.radius, B.radius))
+        check_depths(A, B, 1e-11)
 
 
 def test_a_shallow_depth_ends_early_within_what_is_wanted():
