@@ -186,6 +186,8 @@ def test_what_cannot_be_asked_is_refused_by_name(cell):
     ):
         with pytest.raises(ArgumentError, match=words):
             evaluate(cell.scene_graph, **{**asked, **bad})
+    with pytest.raises(ArgumentError, match='states=states, joints=joints'):
+        evaluate(cell.scene_graph, cell.joints, cell.states(2))
 
 
 def test_a_state_that_is_none_is_refused_with_its_number(cell):

@@ -66,7 +66,10 @@ class Watched:
             lines = self.log.read_text().splitlines()
             return lines and words in lines[-1]
 
-        self.client.wait_for(said, f'{words!r} of the monitor')
+        try:
+            self.client.wait_for(said, f'{words!r} of the monitor')
+        except AssertionError as error:
+            raise AssertionError(f'{error}, which says:\n{self.log.read_text()}') from None
 
     def stays(self, stop, seconds=1.5):
         """Wait a while, in which the monitor must not change its mind."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oracles.forms import kernel_form
 from oracles.kernel_calls import call_for_pair
+from oracles.solids import parts_gap
 
 from drake_geom_ros.cross_check.surfaces import height, nearest_points
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -76,6 +77,22 @@ def check_rows(a, b, scale):
     assert (row_to(a, b, 0.0) == exact).all()
     assert (row_to(a, b, scale) == widest).all()
     return exact
+
+
+def check_parts(a, b, scale):
+    """Check the laws of all accuracies, and each row against the convex parts of both bodies."""
+    exact = check_rows(a, b, scale)
+    truth, error = parts_gap(a, b)
+    if truth > error and not (exact[DISTANCE] < 0.0):
+        for accuracy in scale * np.array(ACCURACIES):
+            out = row_to(a, b, accuracy)
+            assert abs(out[DISTANCE] - truth) <= out[ERROR_BOUND] + error
+
+
+def at_gap(a, b, gap):
+    """Return b moved along the normal of ``exact`` until it is at a gap [m] from a."""
+    out = row_to(a, b, 0.0)
+    return b.at(b.p + (out[DISTANCE] - gap) * out[NORMAL : NORMAL + 3])
 
 
 def away_from(each, p_W):

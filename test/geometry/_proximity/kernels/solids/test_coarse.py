@@ -7,14 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import config
-from oracles.accuracies import ACCURACIES, check_rows, row_to
-from oracles.solids import parts_gap, solid
+from oracles.accuracies import ACCURACIES, at_gap, check_parts, check_rows, row_to
+from oracles.solids import solid
 
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    NORMAL,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.coarse import class_of
 from drake_geom_ros.geometry._proximity.kernels.solids.coins import (
@@ -109,14 +108,8 @@ def test_bounds_hold_the_distance_of_unions_of_boxes(seed, names, cuts, gap, siz
     R = random_rotation(rng) if rng.random() < 0.7 else a.R
     b = solid(names[1], size, cuts).placed(R, size * rng.uniform(-4.0, 4.0, 3))
     if gap is not None:
-        out = row_to(a, b, 0.0)
-        b = b.at(b.p + (out[DISTANCE] - gap * size) * out[NORMAL : NORMAL + 3])
-    exact = check_rows(a, b, size)
-    truth, error = parts_gap(a, b)
-    if truth > error and not (exact[DISTANCE] < 0.0):
-        for accuracy in size * np.array(ACCURACIES):
-            out = row_to(a, b, accuracy)
-            assert abs(out[DISTANCE] - truth) <= out[ERROR_BOUND] + error
+        b = at_gap(a, b, gap * size)
+    check_parts(a, b, size)
     assert len(parts_of(a)) > 1
 
 
@@ -134,8 +127,7 @@ def test_bounds_hold_the_distance_of_dents_pins_and_thin_walls(seed, gap, size, 
     direction = random_directions(rng, 1)[0]
     b = b.placed(random_rotation(rng), size * rng.uniform(0.0, 0.4) * direction)
     if gap is not None:
-        out = row_to(a, b, 0.0)
-        b = b.at(b.p + (out[DISTANCE] - gap * size) * out[NORMAL : NORMAL + 3])
+        b = at_gap(a, b, gap * size)
     check_rows(a, b, size)
 
 
@@ -161,8 +153,7 @@ def test_bounds_hold_the_distance_of_several_surfaces(seed, gap, apart):
     b = ADVERSE[rng.choice(['Ball', 'L', 'pin'])]()
     b = b.placed(random_rotation(rng), rng.uniform(0.0, 0.4) * random_directions(rng, 1)[0])
     if gap is not None:
-        out = row_to(a, b, 0.0)
-        b = b.at(b.p + (out[DISTANCE] - gap) * out[NORMAL : NORMAL + 3])
+        b = at_gap(a, b, gap)
     check_rows(a, b, 1.0)
 
 
@@ -170,8 +161,12 @@ def test_a_solid_of_two_surfaces_takes_less_than_exact_where_nothing_is_between_
     a, b = pair_of_balls(0.5), ADVERSE['Ball']()
     beside = row_to(a, b.at(np.array([0.25, 0.0, 0.4])), 0.03)
     assert beside[ERROR_BOUND] > 1e-3
-    b = b.at(np.array([0.0, 0.02, 0.0]))
-    assert (row_to(a, b, 0.03) == row_to(a, b, 0.0)).all()
+    between = b.scaled(0.3).at(np.array([0.0, 0.02, 0.0]))
+    exact = row_to(a, between, 0.0)
+    assert exact[DISTANCE] > 0.03
+    assert (row_to(a, between, 0.03) == exact).all()
+    overlapping = b.at(np.array([0.0, 0.02, 0.0]))
+    assert check_rows(a, overlapping, 1.0)[DISTANCE] < 0.0
 
 
 def test_a_surface_within_the_other_body_is_an_overlap_at_every_accuracy():

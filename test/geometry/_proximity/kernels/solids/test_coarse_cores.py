@@ -5,14 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import config
-from oracles.accuracies import ACCURACIES, check_rows, row_to
-from oracles.solids import parts_gap, solid
+from oracles.accuracies import at_gap, check_parts, check_rows, row_to
+from oracles.solids import solid
 
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    NORMAL,
 )
 from drake_geom_ros.geometry._proximity.tolerances import COARSE
 from truth.bodies.mesh_bodies import mesh_body
@@ -43,14 +42,8 @@ def test_bounds_hold_the_distance_of_cores_from_unions_of_boxes(seed, kind, name
     if rng.random() < 0.3:
         a = a.placed(np.eye(3), size * np.round(4.0 * rng.uniform(-1.0, 4.0, 3)) / 4.0)
     if gap is not None:
-        out = row_to(a, b, 0.0)
-        b = b.at(b.p + (out[DISTANCE] - gap * size) * out[NORMAL : NORMAL + 3])
-    exact = check_rows(a, b, size)
-    truth, error = parts_gap(a, b)
-    if truth > error and not (exact[DISTANCE] < 0.0):
-        for accuracy in size * np.array(ACCURACIES):
-            out = row_to(a, b, accuracy)
-            assert abs(out[DISTANCE] - truth) <= out[ERROR_BOUND] + error
+        b = at_gap(a, b, gap * size)
+    check_parts(a, b, size)
 
 
 @settings(max_examples=EXAMPLES // 3)
@@ -66,8 +59,7 @@ def test_bounds_hold_the_distance_of_cores_from_dents(seed, kind, gap):
     b = mesh_body('Ball', 100 if config.DISABLE_JIT else 1300)
     b = b.placed(random_rotation(rng), rng.uniform(0.0, 0.4) * direction)
     if gap is not None:
-        out = row_to(a, b, 0.0)
-        b = b.at(b.p + (out[DISTANCE] - gap) * out[NORMAL : NORMAL + 3])
+        b = at_gap(a, b, gap)
     check_rows(a, b, 1.0)
 
 
